@@ -2,6 +2,7 @@
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(nlohmann_json REQUIRED)
 find_package(TBB REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(embree 3 REQUIRED)
 find_package(OpenImageIO REQUIRED)
 find_package(Ceres REQUIRED)

@@ -15,11 +15,18 @@ if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
 endif()
 
+# A folder that has headers only is still a library that others link.
+set(VULTUS_EMPTY_SOURCE "${CMAKE_BINARY_DIR}/empty.cpp")
+file(CONFIGURE OUTPUT "${VULTUS_EMPTY_SOURCE}" CONTENT "namespace vultus {}\n")
+
 # vultus_stage(NAME USES stage…): the library of one folder, its sources found by name, plus a check that its files
 # include headers of the named stages only.
 function(vultus_stage name)
   cmake_parse_arguments(STAGE "" "" "USES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/${name}/*.cpp")
+  if(NOT sources)
+    set(sources "${VULTUS_EMPTY_SOURCE}")
+  endif()
   add_library(vultus_${name} STATIC ${sources})
   target_link_libraries(vultus_${name} PUBLIC vultus_flags Eigen3::Eigen nlohmann_json::nlohmann_json)
   foreach(used ${STAGE_USES})
