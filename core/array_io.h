@@ -16,7 +16,7 @@ struct Array {
 };
 
 /// Reads little-endian float32, float64 or int32 `.npy` (C order) as float32; throws `InputError` for other types,
-/// Fortran order, truncation or a shape larger than the file.
+/// Fortran order, and a shape that does not fit the file's size exactly. Values may be NaN.
 Array read_npy(const std::filesystem::path& file);
 void write_npy(const std::filesystem::path& file, const Array& array);
 

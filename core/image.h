@@ -39,13 +39,14 @@ class Image {
 };
 
 /// Reads any image OpenImageIO knows, as linear light: 8-bit sRGB files are decoded, EXR/HDR are taken as linear.
-/// `data` maps (normals, masks, displacement) in 8-bit files are read without decoding with `Encoding::raw`.
-/// Throws `InputError` for unreadable, truncated, empty or absurdly large files.
+/// Data maps (normals, masks, displacement) in 8-bit files are read without decoding with `Encoding::raw`.
+/// Channels keep the file's names, in the order they were written in; alpha is never decoded nor multiplied in.
+/// Throws `InputError` for unreadable, truncated, empty or absurdly large files and for values that are not finite.
 enum class Encoding { automatic, raw };
 Image read_image(const std::filesystem::path& file, Encoding encoding = Encoding::automatic);
 
-/// Writes EXR (half for three or fewer channels, float otherwise; any channel names) or PNG/JPEG/TIFF (sRGB-encoded,
-/// clamped), by extension, atomically.
+/// Writes EXR (half for three or fewer channels within its range of ±65504, float otherwise; any channel names), HDR
+/// (linear) or 8-bit PNG/JPEG/TIFF (sRGB-encoded, clamped), by extension, atomically. Throws `OutputError`.
 void write_image(const std::filesystem::path& file, const Image& image);
 
 float srgb_from_linear(float linear);

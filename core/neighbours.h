@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -8,8 +9,7 @@
 
 namespace vultus {
 
-/// Vertex adjacency in compressed rows, built with OpenMesh half-edges where the mesh is manifold and from the faces
-/// where it is not.
+/// Vertex adjacency in compressed rows. Like everything here it takes any topology, manifold or not.
 struct Adjacency {
   std::vector<int> offsets;  ///< vertex_count+1
   std::vector<int> vertices; ///< neighbours of v: [offsets[v], offsets[v+1]), sorted
@@ -17,11 +17,14 @@ struct Adjacency {
 };
 Adjacency adjacency(const Topology& topology);            ///< along polygon edges
 std::vector<std::pair<int, int>> edges(const Topology& topology);  ///< polygon edges, first < second, sorted
-std::vector<std::vector<int>> boundary_loops(const Topology& topology);  ///< closed vertex loops, longest first
+/// Closed vertex loops along edges with a face on one side only, longest first, each from its lowest vertex, running
+/// clockwise about the mesh's outside. Loops that touch in a vertex are kept apart by OpenMesh half-edges where the
+/// mesh is manifold; where it is not, edges are chained and chains that do not close are left out.
+std::vector<std::vector<int>> boundary_loops(const Topology& topology);
 /// Component number of each vertex (isolated vertices have their own), numbered by first vertex.
 std::vector<int> components(const Topology& topology);
 
-/// k-d tree over points.
+/// k-d tree over points. Throws `InputError` for points that are not finite.
 class PointTree {
  public:
   explicit PointTree(const Points& points);

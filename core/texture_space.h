@@ -22,7 +22,8 @@ class TextureSpace {
   /// Texels whose centre lies in more than one UV triangle: 0 for a layout without overlaps.
   int overlapping_texels() const { return overlapping_; }
 
-  /// Interpolates per-vertex values (vertex_count×c) to a c-channel image and fills the gutter by dilation.
+  /// Interpolates per-vertex values (vertex_count×c) to a c-channel image and grows them over a gutter of 1/64 of the
+  /// shorter side (at least 4 texels).
   Image bake(const Eigen::MatrixXf& vertex_values, std::vector<std::string> channel_names) const;
   /// Grows valid texels outward into empty ones (`gutter` texels, nearest first).
   void dilate(Image& image, int gutter) const;
