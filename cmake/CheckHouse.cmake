@@ -1,3 +1,4 @@
+cmake_minimum_required(VERSION 3.25)
 # cmake -DFOLDER=… -DALLOWED=core,scan -DSTAMP=… -P CheckHouse.cmake
 # Fails when a file of FOLDER includes a header of a stage that is not ALLOWED, or when one of its headers brings a
 # third-party mesh, GPU or solver type to its users (DESIGN §1).

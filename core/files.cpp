@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -138,9 +137,9 @@ nlohmann::json read_json(const fs::path& file) {
   }
 }
 
-void write_json(const fs::path& file, const nlohmann::json& json) { 
+void write_json(const fs::path& file, const nlohmann::json& json) {
   write_file(file, json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
- }
+}
 
 void make_folder(const fs::path& folder) {
   std::error_code error;

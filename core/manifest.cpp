@@ -1,14 +1,13 @@
 #include "core/manifest.h"
 
 #include <fcntl.h>
+#include <openssl/evp.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
-
-#include <openssl/evp.h>
 
 #include "core/error.h"
 #include "core/files.h"

@@ -1,9 +1,8 @@
 #include "core/mesh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-
-#include <Eigen/Geometry>
 
 #include "core/error.h"
 #include "core/files.h"

@@ -48,6 +48,7 @@ class TextCursor {
     return line_;
   }
   std::string_view rest_of_file() const { return rest_; }
+  std::size_t line_number() const { return number_; }
   std::string place() const { return "line " + std::to_string(number_); }
 
  private:

@@ -12,6 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The largest index that a face uses, and where.
+struct Use {
+  int index = -1;
+  std::size_t line = 0;
+  bool operator<(const Use& other) const { return index < other.index; }
+};
+
 class ObjReader {
  public:
   ObjReader(const fs::path& file, std::string_view content) : file_(file), text_(content) {}
@@ -34,10 +41,14 @@ class ObjReader {
 
   void read_statement() {
     const std::string_view keyword = text_.word();
-    if (keyword == "v") read_vertex();
-    else if (keyword == "vt") read_uv();
-    else if (keyword == "f") read_face();
-    else if (keyword == "mtllib" && texture_.empty()) read_material(text_.rest_of_line());
+    if (keyword == "v")
+      read_vertex();
+    else if (keyword == "vt")
+      read_uv();
+    else if (keyword == "f")
+      read_face();
+    else if (keyword == "mtllib" && texture_.empty())
+      read_material(text_.rest_of_line());
   }
 
   double number(std::string_view word, const char* what) const {
@@ -98,18 +109,19 @@ class ObjReader {
     faces_.close();
     const int line_vertex = *std::max_element(faces_.corner_vertex.begin() + first, faces_.corner_vertex.end());
     const int line_uv = *std::max_element(faces_.corner_uv.begin() + first, faces_.corner_uv.end());
-    if (line_vertex > largest_vertex_) largest_vertex_ = line_vertex, vertex_place_ = text_.place();
-    if (line_uv > largest_uv_) largest_uv_ = line_uv, uv_place_ = text_.place();
+    largest_vertex_ = std::max(largest_vertex_, Use{line_vertex, text_.line_number()});
+    largest_uv_ = std::max(largest_uv_, Use{line_uv, text_.line_number()});
   }
 
   void check_indices() const {
-    const auto check = [&](int largest, std::size_t count, const std::string& place, const char* what) {
-      if (largest < static_cast<long long>(count)) return;
-      throw InputError(file_, place, std::string(what) + " " + std::to_string(largest + 1LL) + " of " +
-                                         std::to_string(count) + " does not exist");
+    const auto check = [&](Use largest, std::size_t count, const char* what) {
+      if (largest.index < static_cast<long long>(count)) return;
+      throw InputError(file_, "line " + std::to_string(largest.line),
+                       std::string(what) + " " + std::to_string(largest.index + 1LL) + " of " + std::to_string(count) +
+                           " does not exist");
     };
-    check(largest_vertex_, positions_.size() / 3, vertex_place_, "vertex");
-    check(largest_uv_, uvs_.size() / 2, uv_place_, "UV");
+    check(largest_vertex_, positions_.size() / 3, "vertex");
+    check(largest_uv_, uvs_.size() / 2, "UV");
   }
 
   TopologyData topology_data() {
@@ -144,15 +156,18 @@ class ObjReader {
   std::vector<double> positions_, colours_, uvs_;
   Faces faces_;
   bool faces_without_uv_ = false;
-  int largest_vertex_ = -1, largest_uv_ = -1;
-  std::string vertex_place_, uv_place_, texture_;
+  Use largest_vertex_, largest_uv_;
+  std::string texture_;
 };
 
 class ObjText {
  public:
   void line(std::string_view keyword, const double* values, int count) {
     text_ += keyword;
-    for (int k = 0; k < count; ++k) text_ += ' ', number(values[k]);
+    for (int k = 0; k < count; ++k) {
+      text_ += ' ';
+      number(values[k]);
+    }
     text_ += '\n';
   }
   template <class Number>
@@ -191,7 +206,9 @@ void write_obj(const std::filesystem::path& file, const Mesh& mesh) {
     for (std::size_t c = 0; c < vertices.size(); ++c) {
       text.text(" ");
       text.number(vertices[c] + 1);
-      if (!uv_rows.empty()) text.text("/"), text.number(uv_rows[c] + 1);
+      if (uv_rows.empty()) continue;
+      text.text("/");
+      text.number(uv_rows[c] + 1);
     }
     text.text("\n");
   }

@@ -1,11 +1,10 @@
 #include "core/transform.h"
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <vector>
-
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "core/error.h"
 
@@ -89,7 +88,7 @@ Similarity fit_similarity(const Points& source, const Points& target, Scaling sc
 
 RobustFit fit_similarity_robust(const Points& source, const Points& target, Scaling scaling, double noise_floor) {
   constexpr int max_iterations = 50;
-  constexpr double biweight_tuning = 4.685;     // 95 % efficiency on Gaussian noise
+  constexpr double biweight_tuning = 4.685;      // 95 % efficiency on Gaussian noise
   constexpr double deviation_from_mad = 1.4826;  // of a Gaussian
   RobustFit fit;
   fit.weights = Eigen::VectorXd::Ones(source.rows());
