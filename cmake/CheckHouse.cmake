@@ -1,9 +1,7 @@
-cmake_minimum_required(VERSION 3.25)
 # cmake -DFOLDER=… -DALLOWED=core,scan -DSTAMP=… -P CheckHouse.cmake
 # Fails when a file of FOLDER includes a header of a stage that is not ALLOWED, or when one of its headers brings a
 # third-party mesh, GPU or solver type to its users (DESIGN §1).
 cmake_minimum_required(VERSION 3.25)
-cmake_policy(SET CMP0057 NEW)
 string(REPLACE "," ";" allowed "${ALLOWED}")
 set(stages core scan register rig mocap retarget render apps)
 set(private_headers "OpenMesh/|CGAL/|opencv2/|embree3/|epoxy/|EGL/|GL/|ceres/|opensubdiv/|dlib/|OpenImageIO/")
