@@ -14,6 +14,12 @@ namespace vultus::mocap {
 /// How a sample of a cleaned take came to be.
 enum class Origin : std::uint8_t { measured, missing, spline, rigid_group, local_frame, low_rank, repaired };
 
+/// A named moment of a take.
+struct Event {
+  std::string label;
+  double time_s = 0.0;  ///< from the start of the recording (the file's own clock)
+};
+
 /// Marker trajectories. Frames count from 0. A missing sample has `present == 0`; its position is then meaningless.
 struct Take {
   std::string name;
@@ -22,6 +28,10 @@ struct Take {
   std::vector<float> positions;             ///< frames × markers × 3, mm, +y up
   std::vector<std::uint8_t> present;        ///< frames × markers
   std::vector<float> residuals;             ///< frames × markers, mm; empty when the file has none
+  std::vector<std::uint8_t> cameras;        ///< frames × markers, bit i: seen by camera i+1; empty when the file has none
+  float residual_step = 0.0F;               ///< mm per unit of a C3D residual; 0 when the file has none
+  int first_frame = 1;                      ///< the file's own number of frame 0
+  std::vector<Event> events;
   std::vector<std::string> decisions;       ///< what reading decided (units, axes), for the report
 
   int markers() const { return static_cast<int>(labels.size()); }
@@ -42,8 +52,10 @@ struct Take {
 /// Reads .c3d, .trc or .csv by extension and content; converts to millimetres, +y up, and says in `decisions` what it
 /// decided. `unit`/`up_axis` override the guess ("mm", "cm", "m", "in"; "x", "-x", "y", "-y", "z", "-z").
 struct ReadOptions {
-  std::string unit;     ///< empty: from the file's parameters
-  std::string up_axis;  ///< empty: from the file's parameters, else y
+  std::string unit;          ///< empty: from the file's parameters, else from the spread of the markers
+  std::string up_axis;       ///< empty: from the file's parameters, else y
+  double mm_per_unit = 0.0;  ///< positive: overrides `unit`, for files in a unit of their own
+  double rate_hz = 0.0;      ///< positive: overrides the file's frame rate
 };
 Take read_take(const std::filesystem::path& file, const ReadOptions& options = {});
 /// Writes .c3d or .trc by extension; missing samples stay missing.

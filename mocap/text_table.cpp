@@ -1,0 +1,77 @@
+#include "mocap/text_table.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+namespace vultus::mocap {
+
+namespace {
+
+bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\0'; }
+
+std::string_view stripped(std::string_view text) {
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    lines.push_back(line);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
+std::vector<std::string> cells_of(std::string_view line, char separator) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == separator && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back().push_back(c);
+    }
+  }
+  for (std::string& cell : cells) cell = trimmed(cell);
+  return cells;
+}
+
+Cell cell_value(std::string_view cell, bool decimal_comma) {
+  cell = stripped(cell);
+  if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = stripped(cell.substr(1, cell.size() - 2));
+  if (cell.empty() || cell == "-" || same_word(cell, "na") || same_word(cell, "null")) return {Cell::missing, 0.0};
+  std::string copy;
+  if (decimal_comma && cell.find(',') != std::string_view::npos) {
+    copy = std::string(cell);
+    std::replace(copy.begin(), copy.end(), ',', '.');
+    cell = copy;
+  }
+  if (cell.front() == '+') cell.remove_prefix(1);
+  Cell result;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), result.value);
+  if (error != std::errc() || end != cell.data() + cell.size()) return {Cell::malformed, 0.0};
+  result.kind = std::isfinite(result.value) && std::abs(result.value) < 1e30 ? Cell::number : Cell::missing;
+  return result;
+}
+
+std::string trimmed(std::string_view text) { return std::string(stripped(text)); }
+
+bool same_word(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](unsigned char x, unsigned char y) {
+           return std::tolower(x) == std::tolower(y);
+         });
+}
+
+}  // namespace vultus::mocap

@@ -1,0 +1,167 @@
+#include "mocap/trc.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "mocap/axes.h"
+#include "mocap/marker_names.h"
+#include "mocap/text_table.h"
+
+namespace vultus::mocap {
+
+namespace {
+
+std::string at_line(std::size_t line) { return "line " + std::to_string(line + 1); }
+
+/// Lines two to four of the file.
+struct Header {
+  double rate_hz = 0.0;
+  std::size_t frames = 0, markers = 0;
+  std::string unit;
+  std::vector<std::string> names;
+};
+
+double stated(const std::filesystem::path& file, const std::vector<std::string>& keys,
+              const std::vector<std::string>& values, const char* key) {
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](const std::string& k) { return same_word(k, key); });
+  const auto column = static_cast<std::size_t>(found - keys.begin());
+  if (found == keys.end()) throw InputError(file, at_line(1), std::string("the key ") + key + " is missing");
+  const Cell cell = column < values.size() ? cell_value(values[column]) : Cell{};
+  if (cell.kind != Cell::number || cell.value < 0.0 || cell.value > 1e9) {
+    throw InputError(file, at_line(2), std::string(key) + " is not a usable number");
+  }
+  return cell.value;
+}
+
+Header header_of(const std::filesystem::path& file, const std::vector<std::string_view>& lines) {
+  if (lines.size() < 4 || !lines[0].starts_with("PathFileType")) {
+    throw InputError(file, at_line(std::min<std::size_t>(lines.size(), 3)),
+                     "a TRC file starts with PathFileType, a line of keys, one of values and one of marker names");
+  }
+  const std::vector<std::string> keys = cells_of(lines[1], '\t'), values = cells_of(lines[2], '\t');
+  Header header;
+  header.rate_hz = stated(file, keys, values, "DataRate");
+  header.frames = static_cast<std::size_t>(stated(file, keys, values, "NumFrames"));
+  header.markers = static_cast<std::size_t>(stated(file, keys, values, "NumMarkers"));
+  if (header.rate_hz <= 0.0) throw InputError(file, at_line(2), "DataRate must be positive");
+  const auto unit = std::find_if(keys.begin(), keys.end(), [](const std::string& k) { return same_word(k, "Units"); });
+  const auto unit_column = static_cast<std::size_t>(unit - keys.begin());
+  if (unit_column < values.size()) header.unit = values[unit_column];
+  const std::vector<std::string> cells = cells_of(lines[3], '\t');
+  for (std::size_t c = 2; c < cells.size(); c += 3) header.names.push_back(cells[c]);
+  while (header.names.size() > header.markers && header.names.back().empty()) header.names.pop_back();
+  return header;
+}
+
+/// Positions of one row; false when the row is blank.
+bool read_row(const std::filesystem::path& file, std::size_t line_number, std::string_view line, std::size_t markers,
+              std::vector<float>& positions, std::vector<std::uint8_t>& present) {
+  if (trimmed(line).empty()) return false;
+  positions.insert(positions.end(), 3 * markers, 0.0F);
+  present.insert(present.end(), markers, 1);
+  float* row = positions.data() + positions.size() - 3 * markers;
+  std::uint8_t* here = present.data() + present.size() - markers;
+  std::size_t start = 0;
+  for (std::size_t column = 0; column < 3 * markers + 2; ++column) {
+    const std::size_t end = start > line.size() ? start : std::min(line.find('\t', start), line.size());
+    const std::string_view text = start > line.size() ? std::string_view() : line.substr(start, end - start);
+    start = end + 1;
+    if (column < 2) continue;
+    const Cell cell = cell_value(text);
+    if (cell.kind == Cell::malformed) {
+      throw InputError(file, at_line(line_number), "column " + std::to_string(column + 1) + ": '" +
+                                                       trimmed(text.substr(0, 40)) + "' is not a number");
+    }
+    if (cell.kind == Cell::missing) here[(column - 2) / 3] = 0;
+    row[column - 2] = static_cast<float>(cell.value);
+  }
+  return true;
+}
+
+void drop_origin(Take& take) {
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < take.present.size(); ++i) {
+    float* p = take.positions.data() + 3 * i;
+    if (take.present[i] != 0 && p[0] == 0.0F && p[1] == 0.0F && p[2] == 0.0F) {
+      take.present[i] = 0;
+      ++dropped;
+    }
+    if (take.present[i] == 0) std::fill(p, p + 3, 0.0F);
+  }
+  if (dropped > 0) take.decisions.push_back("samples: " + std::to_string(dropped) + " at exactly (0, 0, 0) taken as missing");
+}
+
+void append(std::string& text, float value) {
+  char digits[32];
+  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+  text.append(digits, end);
+}
+
+}  // namespace
+
+Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
+  const std::string text = read_file(file);
+  if (text.empty()) throw InputError(file, "is empty; a TRC file is expected");
+  const std::vector<std::string_view> lines = lines_of(text);
+  const Header header = header_of(file, lines);
+  if (header.markers == 0) throw InputError(file, at_line(2), "the file holds no markers");
+  // Even a missing marker needs its three tabs in the line of names.
+  if (header.markers > lines[3].size()) {
+    throw InputError(file, at_line(2), std::to_string(header.markers) + " markers are stated, but line 4 names " +
+                                           std::to_string(header.names.size()));
+  }
+  Take take;
+  take.name = file.stem().string();
+  take.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : header.rate_hz;
+  take.labels = unique_names(header.names, header.markers, take.decisions);
+  for (std::size_t l = 4; l < lines.size(); ++l) {
+    const bool column_names = l < 7 && trimmed(lines[l]).starts_with("X");
+    if (!column_names) read_row(file, l, lines[l], header.markers, take.positions, take.present);
+  }
+  const auto frames = static_cast<std::size_t>(take.frames());
+  if (frames < header.frames || frames == 0) {
+    throw InputError(file, at_line(lines.size()), "the file ends after " + std::to_string(frames) + " of " +
+                                                      std::to_string(header.frames) + " frames");
+  }
+  if (frames > header.frames) {
+    take.decisions.push_back("frames: " + std::to_string(frames) + " rows, not the stated " + std::to_string(header.frames));
+  }
+  drop_origin(take);
+  to_our_frame(take, {header.unit, "", ""}, options);
+  return take;
+}
+
+void write_trc(const std::filesystem::path& file, const Take& take) {
+  std::string text = "PathFileType\t4\t(X/Y/Z)\t" + file.filename().string() + "\n";
+  text += "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n";
+  std::string rate;
+  append(rate, static_cast<float>(take.rate_hz));
+  const std::string frames = std::to_string(take.frames());
+  text += rate + "\t" + rate + "\t" + frames + "\t" + std::to_string(take.markers()) + "\tmm\t" + rate + "\t" +
+          std::to_string(take.first_frame) + "\t" + frames + "\n";
+  text += "Frame#\tTime";
+  for (const std::string& label : take.labels) text += "\t" + label + "\t\t";
+  text += "\n\t";
+  for (int m = 1; m <= take.markers(); ++m) {
+    for (const char* axis : {"X", "Y", "Z"}) text += "\t" + (axis + std::to_string(m));
+  }
+  text += "\n\n";
+  for (int f = 0; f < take.frames(); ++f) {
+    text += std::to_string(take.first_frame + f) + "\t";
+    append(text, static_cast<float>(f / take.rate_hz));
+    for (int m = 0; m < take.markers(); ++m) {
+      const float* p = take.positions.data() + 3 * take.index(f, m);
+      for (int c = 0; c < 3; ++c) {
+        text += "\t";
+        if (take.has(f, m)) append(text, p[c]);
+      }
+    }
+    text += "\n";
+  }
+  write_file(file, text);
+}
+
+}  // namespace vultus::mocap
