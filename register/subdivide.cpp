@@ -11,6 +11,9 @@
 
 #include "core/error.h"
 
+// GCC 12 does not see that OpenSubdiv's mask of an edge fills both weights it declares without a value.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+
 namespace vultus::registration {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
