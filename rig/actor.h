@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image.h"
 #include "core/mesh.h"
+#include "register/template.h"
 
 namespace vultus::rig {
 
@@ -28,7 +30,10 @@ struct Region {
 /// an actor folder (DESIGN §2).
 struct Actor {
   std::string name;
+  std::string template_name;                      ///< template the poses were registered to
   std::shared_ptr<const Topology> topology;
+  Points rest;                                    ///< vertex_count×3, the template's own shape on this topology, mm
+  std::optional<registration::Ibug68> ibug68;     ///< 68-point scheme as vertices of this topology
   std::vector<Pose> poses;                        ///< poses[0] is "neutral"
   std::vector<Region> regions;                    ///< empty until segmented; one "whole" region then counts
   Image region_masks;                             ///< texture space, one channel a region, sums to 1 at every texel
@@ -41,7 +46,8 @@ struct Actor {
   int pose_index(const std::string& name) const;
 };
 
-/// Reads an actor folder; every artefact is checked against its recorded hash. Throws `InputError`.
+/// Reads an actor folder (rig/database.h writes it); every artefact is checked against its recorded hash. Throws
+/// `InputError` that names each artefact which is missing, damaged or edited by hand.
 Actor load_actor(const std::filesystem::path& folder);
 
 }  // namespace vultus::rig
