@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+#include "core/rays.h"
+#include "register/face_finder.h"
+
+namespace vultus::registration {
+
+/// A scan made ready for being looked at: rays, normals smoothed over the scanner's noise, colours where it has any.
+class ScanPictures {
+ public:
+  /// Uses vertex colours, else the image that `scan.texture` names where it can be read, else a grey skin.
+  explicit ScanPictures(const Mesh& scan);
+
+  bool coloured() const { return scan_->has_colours() || !texture_.empty(); }
+  const RayScene& rays() const { return rays_; }
+  const Mesh& scan() const { return *scan_; }
+
+  /// Grey sRGB picture under a distant light; `light` is a direction towards the light, camera axes (x right, y down,
+  /// z forward).
+  GreyImage shade(const Camera& camera, const Eigen::Vector3d& light) const;
+
+  /// Unit normal (smoothed) at a place.
+  Eigen::Vector3d normal(const SurfacePoint& place) const;
+
+ private:
+  double albedo(const SurfacePoint& place) const;  // linear luminance
+  const Mesh* scan_;
+  RayScene rays_;
+  Points normals_;  // vertex_count×3
+  Image texture_;
+};
+
+}  // namespace vultus::registration

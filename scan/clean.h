@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/progress.h"
+
+namespace vultus::scan {
+
+/// The unit of a head's or face's coordinates, from the size of its box: 12 cm (a cropped face) to 1.2 m (a bust) when
+/// read in millimetres, centimetres or metres. `certain` is false when no unit gives a head; mm_per_unit is then 1.
+struct Units {
+  std::string name = "mm";
+  double mm_per_unit = 1.0;
+  bool certain = true;
+};
+Units guess_units(const Points& positions);
+
+struct CleanOptions {
+  double mm_per_unit = 0.0;          ///< 0: guess from the size
+  double smallest_component = 0.03;  ///< of the largest component's area, [0, 1]; smaller ones are stray
+  double spike_factor = 6.0;         ///< > 1: a vertex farther from its neighbours' plane than this many usual steps
+                                     ///< (robust over the scan) is a spike; large values keep everything
+  double largest_filled_hole = 0.0;  ///< mm of boundary length; 0 leaves every hole open
+  double target_triangles = 0;       ///< decimate down to about so many (0: keep the density)
+  void validate() const;             ///< throws `InputError`
+};
+
+/// What cleaning found, counted in the order in which it was done.
+struct CleanReport {
+  Units units;
+  int vertices_before = 0, triangles_before = 0;
+  int non_finite_vertices = 0, duplicate_vertices = 0, degenerate_triangles = 0, duplicate_triangles = 0;
+  int non_manifold_splits = 0;                        ///< vertices doubled so that every edge has at most two sides
+  int stray_components = 0, stray_triangles = 0;
+  int spike_vertices = 0;
+  int unused_vertices = 0;
+  int open_boundaries = 0;                            ///< holes and borders left open
+  int holes_filled = 0, invented_triangles = 0;
+  int vertices_after = 0, triangles_after = 0;
+  std::vector<std::string> lines() const;             ///< one sentence a finding, for a log
+};
+
+struct CleanScan {
+  Mesh mesh;                                ///< mm, triangles, oriented and manifold; UVs and colours kept
+  std::vector<bool> invented;               ///< per triangle: made by hole filling, never to be trusted as data
+  Points removed;                           ///< mm: the vertices taken out, for pictures of what was removed
+  CleanReport report;
+};
+
+/// Raw scan → clean geometry (DESIGN §3.1). Throws `InputError` when nothing is left or the scan has no triangles.
+CleanScan clean_scan(const Mesh& raw, const CleanOptions& options = {}, Progress& progress = Progress::none());
+
+}  // namespace vultus::scan
