@@ -43,6 +43,11 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
+// Of everything a manifest says, so that an edit by hand shows.
+std::string digest(const json& content) {
+  return sha256_of_bytes(json{content.at("kind"), content.at("facts"), content.at("artefacts")}.dump());
+}
+
 struct Closer {
   int descriptor;
   ~Closer() { ::close(descriptor); }
@@ -88,6 +93,9 @@ Manifest Manifest::open(const fs::path& file, const std::string& kind) {
   try {
     if (const std::string found = content.at("kind"); found != kind) {
       throw InputError(file, "describes a \"" + found + "\", not a \"" + kind + "\"");
+    }
+    if (content.at("sha256") != digest(content)) {
+      throw InputError(file, "was changed by hand or damaged; run the command that made it again, with --force");
     }
     manifest.facts_ = content.at("facts");
     for (const auto& [name, entry] : content.at("artefacts").items()) {
@@ -154,7 +162,9 @@ std::string Manifest::hash(const std::string& artefact) const {
 }
 
 void Manifest::save() const {
-  write_json(file_, {{"kind", kind_}, {"version", version()}, {"facts", facts_}, {"artefacts", artefacts_}});
+  nlohmann::json content = {{"kind", kind_}, {"version", version()}, {"facts", facts_}, {"artefacts", artefacts_}};
+  content["sha256"] = digest(content);
+  write_json(file_, content);
 }
 
 }  // namespace vultus

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -118,7 +117,7 @@ Points vertex_normals(const Topology& topology, const Points& positions) {
     const Eigen::RowVector3d doubled_area = (b - a).cross(c - a);
     for (int k = 0; k < 3; ++k) normals.row(triangles(t, k)) += doubled_area;
   }
-  normals.rowwise().normalize();
+  for (auto normal : normals.rowwise()) normal.normalize();  // unlike the column-wise form, leaves zero rows alone
   return normals;
 }
 
