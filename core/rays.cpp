@@ -1,8 +1,6 @@
 #include "core/rays.h"
 
 #include <embree3/rtcore.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,21 +8,10 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/flush_denormals.h"
 
 namespace vultus {
 namespace {
-
-/// Embree slows down by orders of magnitude on denormals; the caller's floating-point mode is put back afterwards.
-class FlushDenormals {
- public:
-  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned saved_;
-};
 
 /// Barycentric coordinates of the point of triangle abc nearest to p (Ericson 2005, §5.1.5).
 Eigen::Vector3d closest_barycentric(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
