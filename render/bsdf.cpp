@@ -1,10 +1,9 @@
 #include "render/bsdf.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <Eigen/Geometry>
 
 #include "render/coat_albedo.h"
 
@@ -58,50 +57,43 @@ float visible_normal_pdf(const Eigen::Vector3f& wo, const Eigen::Vector3f& h, fl
   return ggx(h, alpha) * std::max(0.0f, wo.dot(h)) / ((1.0f + lambda(wo, alpha)) * wo.z());
 }
 
-float Bsdf::coat_albedo(float mu) const {
-  const CoatAlbedo e = render::coat_albedo(mu, alpha);
-  return f0 * e.a + f90 * e.b;
+Bsdf::Bsdf(const Skin& skin, const Eigen::Vector3f& wo) : skin_(skin), wo_(wo) {
+  has_coat_ = skin.f0 > 0.0f || skin.f90 > 0.0f;
+  if (!has_coat_ || wo.z() <= 0.0f) return;
+  const CoatAlbedo towards = render::coat_albedo(wo.z(), skin.alpha), mean = mean_coat_albedo(skin.alpha);
+  lambda_o_ = lambda(wo, skin.alpha);
+  coat_albedo_ = skin.f0 * towards.a + skin.f90 * towards.b;
+  base_scale_ = (1.0f - coat_albedo_) / std::max(1.0f - skin.f0 * mean.a - skin.f90 * mean.b, 1e-4f);
+  const float base = (1.0f - coat_albedo_) * skin.albedo.maxCoeff();
+  coat_probability_ = base > 0.0f ? std::clamp(coat_albedo_ / (coat_albedo_ + base), 0.1f, 0.9f) : 1.0f;
 }
 
-float Bsdf::mean_coat_albedo() const {
-  const CoatAlbedo e = render::mean_coat_albedo(alpha);
-  return f0 * e.a + f90 * e.b;
+Eigen::Vector3f Bsdf::value(const Eigen::Vector3f& wi) const {
+  if (wo_.z() <= 0.0f || wi.z() <= 0.0f) return Eigen::Vector3f::Zero();
+  if (!has_coat_) return skin_.albedo / pi;
+  const Eigen::Vector3f h = (wo_ + wi).normalized();
+  const float masking = 1.0f / (1.0f + lambda_o_ + lambda(wi, skin_.alpha));
+  const float coat =
+      ggx(h, skin_.alpha) * schlick(skin_.f0, skin_.f90, wo_.dot(h)) * masking / (4.0f * wo_.z() * wi.z());
+  const CoatAlbedo e = render::coat_albedo(wi.z(), skin_.alpha);
+  const float through = base_scale_ * (1.0f - skin_.f0 * e.a - skin_.f90 * e.b);
+  return skin_.albedo * (through / pi) + Eigen::Vector3f::Constant(coat);
 }
 
-Eigen::Vector3f Bsdf::value(const Eigen::Vector3f& wo, const Eigen::Vector3f& wi) const {
-  if (wo.z() <= 0.0f || wi.z() <= 0.0f) return Eigen::Vector3f::Zero();
-  if (f90 <= 0.0f && f0 <= 0.0f) return albedo / pi;
-  const Eigen::Vector3f h = (wo + wi).normalized();
-  const float masking = 1.0f / (1.0f + lambda(wo, alpha) + lambda(wi, alpha));
-  const float coat = ggx(h, alpha) * schlick(f0, f90, wo.dot(h)) * masking / (4.0f * wo.z() * wi.z());
-  const float through = (1.0f - coat_albedo(wo.z())) * (1.0f - coat_albedo(wi.z())) /
-                        std::max(1.0f - mean_coat_albedo(), 1e-4f);
-  return albedo * (through / pi) + Eigen::Vector3f::Constant(coat);
-}
-
-float Bsdf::coat_probability(const Eigen::Vector3f& wo) const {
-  if (f90 <= 0.0f && f0 <= 0.0f) return 0.0f;
-  const float coat = coat_albedo(std::max(wo.z(), 0.0f)), base = (1.0f - coat) * albedo.maxCoeff();
-  if (base <= 0.0f) return 1.0f;
-  return std::clamp(coat / (coat + base), 0.1f, 0.9f);
-}
-
-float Bsdf::pdf(const Eigen::Vector3f& wo, const Eigen::Vector3f& wi) const {
-  if (wo.z() <= 0.0f || wi.z() <= 0.0f) return 0.0f;
-  const float coat = coat_probability(wo);
-  float result = (1.0f - coat) * wi.z() / pi;
-  if (coat > 0.0f) {
-    const Eigen::Vector3f h = (wo + wi).normalized();
-    const float oh = wo.dot(h);
-    if (oh > 0.0f) result += coat * visible_normal_pdf(wo, h, alpha) / (4.0f * oh);
+float Bsdf::pdf(const Eigen::Vector3f& wi) const {
+  if (wo_.z() <= 0.0f || wi.z() <= 0.0f) return 0.0f;
+  float result = (1.0f - coat_probability_) * wi.z() / pi;
+  if (coat_probability_ > 0.0f) {
+    const Eigen::Vector3f h = (wo_ + wi).normalized();
+    result += coat_probability_ * ggx(h, skin_.alpha) / (4.0f * (1.0f + lambda_o_) * wo_.z());
   }
   return result;
 }
 
-Eigen::Vector3f Bsdf::sample(const Eigen::Vector3f& wo, float choice, const Eigen::Vector2f& u) const {
-  if (choice < coat_probability(wo)) {
-    const Eigen::Vector3f h = sample_visible_normal(wo, alpha, u);
-    return 2.0f * wo.dot(h) * h - wo;
+Eigen::Vector3f Bsdf::sample(float choice, const Eigen::Vector2f& u) const {
+  if (choice < coat_probability_) {
+    const Eigen::Vector3f h = sample_visible_normal(wo_, skin_.alpha, u);
+    return 2.0f * wo_.dot(h) * h - wo_;
   }
   const float r = std::sqrt(u.x()), phi = 2 * pi * u.y();
   return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - u.x()))};

@@ -7,7 +7,7 @@ struct CoatAlbedo {
   float a = 0.0f, b = 0.0f;
 };
 
-CoatAlbedo coat_albedo(float mu, float alpha);   ///< towards a direction with cosine μ
-CoatAlbedo mean_coat_albedo(float alpha);        ///< 2 ∫ E(μ) μ dμ of the same
+CoatAlbedo coat_albedo(float mu, float alpha);  ///< towards a direction with cosine μ
+CoatAlbedo mean_coat_albedo(float alpha);       ///< 2 ∫ E(μ) μ dμ of the same
 
 }  // namespace vultus::render

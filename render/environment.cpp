@@ -27,13 +27,24 @@ double accumulate(const double* values, int n, float* cdf) {
   return total;
 }
 
+/// For each of n equal steps of u, the bin in which it begins: the search starts there (Chen and Asau 1974).
+void fill_guide(const float* cdf, int n, std::uint16_t* guide) {
+  int bin = 0;
+  for (int i = 0; i < n; ++i) {
+    while (bin + 1 < n && cdf[bin + 1] <= static_cast<float>(i) / static_cast<float>(n)) ++bin;
+    guide[i] = static_cast<std::uint16_t>(bin);
+  }
+}
+
 struct Draw {
   int index;
   float offset;  // [0, 1) within the bin
 };
 
-Draw draw(const float* cdf, int n, float u) {
-  const int index = std::clamp(static_cast<int>(std::upper_bound(cdf, cdf + n + 1, u) - cdf) - 1, 0, n - 1);
+Draw draw(const float* cdf, const std::uint16_t* guide, int n, float u) {
+  int index = guide[std::min(static_cast<int>(u * static_cast<float>(n)), n - 1)];
+  while (index > 0 && cdf[index] > u) --index;  // only where u·n rounded up
+  while (index + 1 < n && cdf[index + 1] <= u) ++index;
   const float width = cdf[index + 1] - cdf[index];
   return {index, width > 0.0f ? std::min((u - cdf[index]) / width, 0x1.fffffep-1f) : 0.5f};
 }
@@ -43,6 +54,7 @@ Draw draw(const float* cdf, int n, float u) {
 Environment::Environment(Image latlong, double rotation, double intensity)
     : width_(latlong.width()), height_(latlong.height()), rotation_(static_cast<float>(rotation)) {
   if (latlong.empty()) throw InputError("environment: the image is empty");
+  if (width_ > 65536 || height_ > 65536) throw InputError("environment: the image is larger than 65536 on a side");
   if (!(intensity >= 0.0) || !std::isfinite(intensity)) throw InputError("environment: intensity must be 0 or more");
   if (!std::isfinite(rotation)) throw InputError("environment: rotation must be finite");
   texels_.resize(static_cast<std::size_t>(width_) * height_);
@@ -69,7 +81,9 @@ void Environment::build_density() {
   // positive wherever the radiance is.
   std::vector<double> weights(texels_.size()), rows(height_);
   row_cdf_.resize(height_ + 1);
+  row_guide_.resize(height_);
   column_cdf_.resize(static_cast<std::size_t>(height_) * (width_ + 1));
+  column_guide_.resize(texels_.size());
   constexpr double tent[] = {0.125, 0.75, 0.125};
   for (int y = 0; y < height_; ++y) {
     const double sine = std::sin(std::numbers::pi * (y + 0.5) / height_);
@@ -79,17 +93,19 @@ void Environment::build_density() {
         for (int i = -1; i <= 1; ++i) mean += tent[i + 1] * tent[j + 1] * luminance(texel(x + i, y + j));
       weights[static_cast<std::size_t>(y) * width_ + x] = mean * sine;
     }
-    rows[y] = accumulate(&weights[static_cast<std::size_t>(y) * width_], width_,
-                         &column_cdf_[static_cast<std::size_t>(y) * (width_ + 1)]);
+    float* cdf = &column_cdf_[static_cast<std::size_t>(y) * (width_ + 1)];
+    rows[y] = accumulate(&weights[static_cast<std::size_t>(y) * width_], width_, cdf);
+    fill_guide(cdf, width_, &column_guide_[static_cast<std::size_t>(y) * width_]);
   }
   const double total = accumulate(rows.data(), height_, row_cdf_.data());
+  fill_guide(row_cdf_.data(), height_, row_guide_.data());
   density_.resize(texels_.size());
   for (std::size_t i = 0; i < weights.size(); ++i)
     density_[i] = total > 0.0 ? static_cast<float>(weights[i] / total * static_cast<double>(weights.size())) : 0.0f;
 }
 
 Eigen::Vector3f Environment::texel(int x, int y) const {
-  x = (x + width_) % width_;
+  x = x < 0 ? x + width_ : x >= width_ ? x - width_ : x;
   y = std::clamp(y, 0, height_ - 1);
   return texels_[static_cast<std::size_t>(y) * width_ + x];
 }
@@ -109,13 +125,12 @@ Eigen::Vector3f Environment::at(const Eigen::Vector2f& uv) const {
          (texel(ix, iy + 1) * (1 - fx) + texel(ix + 1, iy + 1) * fx) * fy;
 }
 
-Eigen::Vector3f Environment::radiance(const Eigen::Vector3f& direction) const {
-  return at(map_coordinates(direction));
-}
+Eigen::Vector3f Environment::radiance(const Eigen::Vector3f& direction) const { return at(map_coordinates(direction)); }
 
 Environment::Sample Environment::sample(const Eigen::Vector2f& u) const {
-  const Draw row = draw(row_cdf_.data(), height_, u.y());
-  const Draw column = draw(&column_cdf_[static_cast<std::size_t>(row.index) * (width_ + 1)], width_, u.x());
+  const Draw row = draw(row_cdf_.data(), row_guide_.data(), height_, u.y());
+  const Draw column = draw(&column_cdf_[static_cast<std::size_t>(row.index) * (width_ + 1)],
+                           &column_guide_[static_cast<std::size_t>(row.index) * width_], width_, u.x());
   const Eigen::Vector2f uv((static_cast<float>(column.index) + column.offset) / static_cast<float>(width_),
                            (static_cast<float>(row.index) + row.offset) / static_cast<float>(height_));
   const float theta = pi * uv.y(), phi = 2 * pi * (uv.x() - 0.5f) - rotation_;

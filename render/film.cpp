@@ -6,9 +6,9 @@
 namespace vultus::render {
 
 Image make_layers(int width, int height) {
-  return Image(width, height,
-               {"R", "G", "B", "coverage", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z",
-                "depth.Z"});
+  return Image(
+      width, height,
+      {"R", "G", "B", "coverage", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "depth.Z"});
 }
 
 void PixelSum::add(const PathSample& sample) {

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <filesystem>
-
 #include <Eigen/Core>
+#include <filesystem>
 
 #include "core/image.h"
 
@@ -11,14 +10,14 @@ namespace vultus::render {
 /// What one path brought to its pixel.
 struct PathSample {
   Eigen::Vector3f radiance = Eigen::Vector3f::Zero();
-  bool covered = false;                              ///< the camera saw the mesh; the rest is then meaningful
+  bool covered = false;  ///< the camera saw the mesh; the rest is then meaningful
   Eigen::Vector3f albedo = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< shading normal, world
   float depth = 0.0f;                                ///< along the optical axis, mm
 };
 
-/// Channels of a rendered frame: R, G, B (linear), coverage, albedo.{R,G,B}, normal.{X,Y,Z} (world, unit), depth.Z (mm).
-/// Normal and depth are means over the covered part of the pixel and 0 where nothing was seen.
+/// Channels of a rendered frame: R, G, B (linear), coverage, albedo.{R,G,B}, normal.{X,Y,Z} (world, unit), depth.Z
+/// (mm). Normal and depth are means over the covered part of the pixel and 0 where nothing was seen.
 Image make_layers(int width, int height);
 
 /// Running sums of one pixel.

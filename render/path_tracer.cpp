@@ -1,11 +1,11 @@
 #include "render/path_tracer.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/flush_denormals.h"
@@ -44,13 +44,9 @@ float mis_weight(float p, float q) {
   return p2 > 0.0f ? p2 / (p2 + q2) : 0.0f;
 }
 
-Bsdf bsdf_of(const Surface& surface) {
-  Bsdf bsdf;
-  bsdf.albedo = surface.albedo;
-  bsdf.alpha = alpha_from_roughness(surface.finish.roughness);
-  bsdf.f0 = surface.finish.specular * f0_from_ior(surface.finish.ior);
-  bsdf.f90 = surface.finish.specular;
-  return bsdf;
+Skin skin_of(const Surface& surface) {
+  return {surface.albedo, alpha_from_roughness(surface.finish.roughness),
+          surface.finish.specular * f0_from_ior(surface.finish.ior), surface.finish.specular};
 }
 
 /// Inverse of the distribution function of the tent on [-1, 1].
@@ -62,13 +58,15 @@ class Tracer {
       : scene_(scene), traced_(traced), options_(options) {
     eye_ = (scene.camera.centre() - traced.centre()).cast<float>();
     axis_ = scene.camera.camera_from_world_rotation.row(2).transpose().cast<float>();
+    focal_ = Eigen::Vector2d(scene.camera.fx, scene.camera.fy).cast<float>();
+    world_from_camera_ = scene.camera.camera_from_world_rotation.transpose().cast<float>();
   }
 
   PathSample sample(int x, int y, Sampler& sampler, Counts& counts) const {
     const Eigen::Vector2f jitter = sampler.next_2d();
-    const Vector3f direction = scene_.camera.direction(x + 0.5 + tent(jitter.x()), y + 0.5 + tent(jitter.y()))
-                                   .cast<float>();
-    PathSample result = path({eye_, direction}, sampler, counts);
+    const Vector3f in_camera((static_cast<float>(x - scene_.camera.cx) + 0.5f + tent(jitter.x())) / focal_.x(),
+                             (static_cast<float>(y - scene_.camera.cy) + 0.5f + tent(jitter.y())) / focal_.y(), 1.0f);
+    PathSample result = path({eye_, (world_from_camera_ * in_camera).normalized()}, sampler, counts);
     ++counts.paths;
     if (!result.radiance.allFinite()) {
       ++counts.rejected;
@@ -101,17 +99,16 @@ class Tracer {
         result.normal = surface.shading_normal;
         result.depth = crossing.distance * ray.direction.dot(axis_);
       }
-      const Bsdf bsdf = bsdf_of(surface);
       const Frame frame(surface.shading_normal);
-      const Vector3f wo = frame.local(-ray.direction);
-      result.radiance += throughput.cwiseProduct(direct_light(surface, bsdf, frame, wo, sampler, counts));
+      const Bsdf bsdf(skin_of(surface), frame.local(-ray.direction));
+      result.radiance += throughput.cwiseProduct(direct_light(surface, bsdf, frame, sampler, counts));
 
       const float choice = sampler.next_1d();
-      const Vector3f wi = bsdf.sample(wo, choice, sampler.next_2d());
+      const Vector3f wi = bsdf.sample(choice, sampler.next_2d());
       const Vector3f direction = frame.world(wi);
-      last_pdf = bsdf.pdf(wo, wi);
+      last_pdf = bsdf.pdf(wi);
       if (!(last_pdf > 0.0f) || direction.dot(surface.geometric_normal) <= 0.0f) break;
-      throughput = throughput.cwiseProduct(bsdf.value(wo, wi)) * (wi.z() / last_pdf);
+      throughput = throughput.cwiseProduct(bsdf.value(wi)) * (wi.z() / last_pdf);
       if (interactions >= roulette_from) {
         const float survival = std::min(0.95f, throughput.maxCoeff());
         if (sampler.next_1d() >= survival) break;
@@ -128,14 +125,14 @@ class Tracer {
     return scene_.environment->radiance(direction) * mis_weight(last_pdf, scene_.environment->pdf(direction));
   }
 
-  Vector3f direct_light(const Surface& surface, const Bsdf& bsdf, const Frame& frame, const Vector3f& wo,
-                        Sampler& sampler, Counts& counts) const {
+  Vector3f direct_light(const Surface& surface, const Bsdf& bsdf, const Frame& frame, Sampler& sampler,
+                        Counts& counts) const {
     const Environment::Sample light = scene_.environment->sample(sampler.next_2d());
     const Vector3f wi = frame.local(light.direction);
     if (!(light.pdf > 0.0f) || wi.z() <= 0.0f || light.direction.dot(surface.geometric_normal) <= 0.0f)
       return Vector3f::Zero();
     const Vector3f arriving =
-        bsdf.value(wo, wi).cwiseProduct(light.radiance) * (wi.z() * mis_weight(light.pdf, bsdf.pdf(wo, wi)) / light.pdf);
+        bsdf.value(wi).cwiseProduct(light.radiance) * (wi.z() * mis_weight(light.pdf, bsdf.pdf(wi)) / light.pdf);
     if (arriving.isZero(0.0f)) return Vector3f::Zero();
     ++counts.rays;
     if (traced_.occluded({surface.lifted, light.direction})) return Vector3f::Zero();
@@ -146,6 +143,8 @@ class Tracer {
   const TracedScene& traced_;
   const PathTracerOptions& options_;
   Vector3f eye_, axis_;
+  Eigen::Matrix3f world_from_camera_;
+  Eigen::Vector2f focal_;  // pixels
 };
 
 struct Tile {

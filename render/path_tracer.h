@@ -13,16 +13,16 @@ struct PathTracerOptions {
   double noise_target = 0.0;  ///< relative standard error of luminance at which a 16×16 tile stops; 0: all samples
   int bounces = 6;            ///< surface interactions a path, 1 to 64; 1 is direct light only
   std::uint64_t seed = 1;
-  float clamp = 0.0f;         ///< largest radiance of one path; 0: none. A clamp removes fireflies and darkens: biased
+  float clamp = 0.0f;  ///< largest radiance of one path; 0: none. A clamp removes fireflies and darkens: biased
 
-  void validate() const;      ///< throws `UsageError`
+  void validate() const;  ///< throws `UsageError`
 };
 
 struct PathTracerResult {
-  Image layers;                       ///< see `make_layers`
-  std::uint64_t rays = 0;             ///< traced: camera, shadow and bounce rays
+  Image layers;            ///< see `make_layers`
+  std::uint64_t rays = 0;  ///< traced: camera, shadow and bounce rays
   std::uint64_t paths = 0;
-  std::uint64_t rejected_paths = 0;   ///< whose radiance was not finite; they count as black
+  std::uint64_t rejected_paths = 0;  ///< whose radiance was not finite; they count as black
 };
 
 /// Path tracing (Kajiya 1986) with next-event estimation and multiple importance sampling between the environment and

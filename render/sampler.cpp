@@ -19,8 +19,7 @@ std::uint32_t combined(std::uint32_t seed, std::uint32_t value) {
 }
 
 std::uint32_t reversed_bits(std::uint32_t x) {
-  x = (x << 16) | (x >> 16);
-  x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+  x = __builtin_bswap32(x);
   x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
   x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
@@ -37,16 +36,14 @@ std::uint32_t owen_scrambled_reversed(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
-  return reversed_bits(owen_scrambled_reversed(reversed_bits(x), seed));
-}
-
-/// Second Sobol dimension; the first is the van der Corput sequence, the index's bits reversed.
-std::uint32_t sobol_1(std::uint32_t index) {
-  std::uint32_t result = 0;
-  for (std::uint32_t direction = 1u << 31; index; index >>= 1, direction ^= direction >> 1)
-    if (index & 1) result ^= direction;
-  return result;
+/// Second Sobol dimension of an index given bit-reversed (the first is the reversed index itself): its matrix is
+/// Pascal's triangle modulo 2, applied by doubling (Ahmed 2024).
+std::uint32_t sobol_1_of_reversed(std::uint32_t x) {
+  x ^= x << 16;
+  x ^= (x & 0x00ff00ffu) << 8;
+  x ^= (x & 0x0f0f0f0fu) << 4;
+  x ^= (x & 0x33333333u) << 2;
+  return x ^ ((x & 0x55555555u) << 1);
 }
 
 float unit_float(std::uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
@@ -61,16 +58,17 @@ Sampler::Sampler(std::uint64_t seed, std::uint64_t pixel) {
 }
 
 void Sampler::start(std::uint32_t sample_index) {
-  index_ = sample_index;
+  reversed_index_ = reversed_bits(sample_index);
   dimension_ = 0;
 }
 
 Eigen::Vector2f Sampler::next_2d() {
   const std::uint32_t seed = mixed(combined(pixel_seed_, dimension_++));
-  const std::uint32_t index = owen_scrambled(index_, seed);
-  const std::uint32_t x = owen_scrambled_reversed(index, mixed(seed ^ 0xa511e9b3u));  // reversed twice cancels out
-  const std::uint32_t y = owen_scrambled(sobol_1(index), mixed(seed ^ 0x63d83595u));
-  return {unit_float(reversed_bits(x)), unit_float(y)};
+  const std::uint32_t reversed = owen_scrambled_reversed(reversed_index_, seed);  // shuffles the order of points
+  const std::uint32_t x = owen_scrambled_reversed(reversed_bits(reversed), mixed(seed ^ 0xa511e9b3u));
+  const std::uint32_t y =
+      owen_scrambled_reversed(reversed_bits(sobol_1_of_reversed(reversed)), mixed(seed ^ 0x63d83595u));
+  return {unit_float(reversed_bits(x)), unit_float(reversed_bits(y))};
 }
 
 }  // namespace vultus::render

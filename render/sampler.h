@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cstdint>
-
 #include <Eigen/Core>
+#include <cstdint>
 
 namespace vultus::render {
 
@@ -18,7 +17,7 @@ class Sampler {
   float next_1d() { return next_2d().x(); }
 
  private:
-  std::uint32_t pixel_seed_, index_ = 0, dimension_ = 0;
+  std::uint32_t pixel_seed_, reversed_index_ = 0, dimension_ = 0;
 };
 
 }  // namespace vultus::render

@@ -46,7 +46,8 @@ void Scene::validate() const {
   if (!topology) throw InputError("scene: no mesh");
   const Eigen::Index n = topology->vertex_count();
   if (positions.rows() != n)
-    throw InputError("scene: " + std::to_string(positions.rows()) + " positions for " + std::to_string(n) + " vertices");
+    throw InputError("scene: " + std::to_string(positions.rows()) + " positions for " + std::to_string(n) +
+                     " vertices");
   if (!positions.allFinite()) throw InputError("scene: the mesh has vertices that are not finite");
   if (vertex_colours.rows() != 0 && vertex_colours.rows() != n)
     throw InputError("scene: " + std::to_string(vertex_colours.rows()) + " colours for " + std::to_string(n) +

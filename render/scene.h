@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/camera.h"
 #include "core/image.h"
@@ -23,14 +22,14 @@ struct Finish {
 /// Everything a picture needs. Both renderers read the same scene.
 struct Scene {
   std::shared_ptr<const Topology> topology;
-  Points positions;                        ///< vertex_count×3, mm
-  Points vertex_colours;                   ///< vertex_count×3 linear reflectance, or 0 rows
-  Image albedo;                            ///< linear reflectance in texture space; wins over vertex colours
+  Points positions;                                  ///< vertex_count×3, mm
+  Points vertex_colours;                             ///< vertex_count×3 linear reflectance, or 0 rows
+  Image albedo;                                      ///< linear reflectance in texture space; wins over vertex colours
   Eigen::Vector3f base_colour{0.60f, 0.42f, 0.34f};  ///< reflectance where there is neither
-  std::vector<Finish> finishes{Finish{}};  ///< one a vertex, interpolated, or a single one for all
+  std::vector<Finish> finishes{Finish{}};            ///< one a vertex, interpolated, or a single one for all
   Camera camera;
   std::shared_ptr<const Environment> environment;
-  std::optional<Eigen::Vector3f> backdrop; ///< what the camera sees behind the mesh; without it the environment
+  std::optional<Eigen::Vector3f> backdrop;  ///< what the camera sees behind the mesh; without it the environment
 
   /// Throws `InputError` when sizes disagree, a value leaves its range, or an albedo map meets a mesh without UVs.
   void validate() const;

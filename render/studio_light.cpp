@@ -1,8 +1,7 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <Eigen/Geometry>
 
 #include "render/environment.h"
 
@@ -36,9 +35,9 @@ struct SoftBox {
 };
 
 const SoftBox boxes[] = {
-    {-42.0f, 34.0f, 24.0f, 26.0f, {10.5f, 9.9f, 9.1f}},    // key, camera left
-    {58.0f, 8.0f, 34.0f, 36.0f, {0.85f, 0.92f, 1.05f}},    // fill, camera right
-    {142.0f, 24.0f, 9.0f, 34.0f, {9.0f, 9.6f, 10.6f}},     // rim strips behind
+    {-42.0f, 34.0f, 24.0f, 26.0f, {10.5f, 9.9f, 9.1f}},  // key, camera left
+    {58.0f, 8.0f, 34.0f, 36.0f, {0.85f, 0.92f, 1.05f}},  // fill, camera right
+    {142.0f, 24.0f, 9.0f, 34.0f, {9.0f, 9.6f, 10.6f}},   // rim strips behind
     {-150.0f, 30.0f, 7.0f, 30.0f, {6.0f, 6.2f, 6.6f}},
 };
 
@@ -60,8 +59,8 @@ Environment Environment::studio(double rotation, double intensity) {
     const float theta = std::numbers::pi_v<float> * (static_cast<float>(y) + 0.5f) / height;
     for (int x = 0; x < width; ++x) {
       const float phi = 2 * std::numbers::pi_v<float> * ((static_cast<float>(x) + 0.5f) / width - 0.5f);
-      image.set_rgb(x, y, studio_radiance({std::sin(theta) * std::sin(phi), std::cos(theta),
-                                           -std::sin(theta) * std::cos(phi)}));
+      image.set_rgb(
+          x, y, studio_radiance({std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)}));
     }
   }
   return Environment(std::move(image), rotation, intensity);

@@ -1,10 +1,10 @@
 #include "render/traced_scene.h"
 
-#include <algorithm>
-#include <limits>
+#include <embree3/rtcore.h>
 
 #include <Eigen/Geometry>
-#include <embree3/rtcore.h>
+#include <algorithm>
+#include <limits>
 
 #include "core/error.h"
 #include "core/flush_denormals.h"
@@ -20,8 +20,7 @@ class AlbedoMap {
   explicit AlbedoMap(const Image& image) : width_(image.width()), height_(image.height()) {
     texels_.reserve(static_cast<std::size_t>(width_) * height_);
     for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x)
-        texels_.push_back(image.rgb_at(x, y).cwiseMax(0.0f).cwiseMin(1.0f));
+      for (int x = 0; x < width_; ++x) texels_.push_back(image.rgb_at(x, y).cwiseMax(0.0f).cwiseMin(1.0f));
   }
   Vector3f at(const Eigen::Vector2f& uv) const {
     const float x = std::clamp(uv.x() * static_cast<float>(width_) - 0.5f, 0.0f, static_cast<float>(width_ - 1));

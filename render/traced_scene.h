@@ -1,8 +1,7 @@
 #pragma once
 
-#include <memory>
-
 #include <Eigen/Core>
+#include <memory>
 
 #include "render/scene.h"
 
@@ -15,8 +14,8 @@ struct Ray {
 /// What a ray found.
 struct Crossing {
   int triangle = -1;
-  float u = 0, v = 0;     ///< barycentric weights of the second and third corner
-  float distance = 0;     ///< mm
+  float u = 0, v = 0;  ///< barycentric weights of the second and third corner
+  float distance = 0;  ///< mm
 };
 
 /// The surface at a crossing, seen from the ray's side.
