@@ -97,7 +97,7 @@ class Solver {
     }
     if (free_.size() == 0) return start_at_best_vertex();
     weights_ /= weights_.sum();
-    minimise_over_free();
+    minimise_over_free(direction());
   }
 
   SimplexQpResult run() {
@@ -138,13 +138,14 @@ class Solver {
       return true;
     }
     // Rounding alone can make a direction that does not let the new variable grow: then it was optimal at zero.
-    if (direction()[free_.size() - 1] <= 0.0 && weights_[entering] <= 0.0) {
+    Eigen::VectorXd p = direction();
+    if (p[free_.size() - 1] <= 0.0 && weights_[entering] <= 0.0) {
       free_.remove(free_.size() - 1);
       rejected_[entering] = true;
       return true;
     }
     std::fill(rejected_.begin(), rejected_.end(), false);
-    minimise_over_free();
+    minimise_over_free(std::move(p));
     return true;
   }
 
@@ -167,10 +168,10 @@ class Solver {
     return free_.add(entering);
   }
 
-  // Repeats full steps cut at the first bound until a full step fits.
-  void minimise_over_free() {
-    for (;;) {
-      const int blocking = walk(direction(), -1, 1.0);
+  // Repeats full steps, the first along p, each cut at the first bound, until a full step fits.
+  void minimise_over_free(Eigen::VectorXd p) {
+    for (;; p = direction()) {
+      const int blocking = walk(p, -1, 1.0);
       drop_zeros(blocking);
       if (blocking < 0) return;
       ++iterations_;
