@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/console.h"
+#include "core/error.h"
+
+namespace CLI {
+class App;
+}
+
+namespace vultus::apps {
+
+/// What a running command works with: progress, the shared flags that concern results, and the report of `--json`.
+class Run {
+ public:
+  Run(Console& console, std::uint64_t seed, bool force) : console_(console), seed_(seed), force_(force) {}
+
+  Progress& progress() { return console_; }
+  std::uint64_t seed() const { return seed_; }
+  bool force() const { return force_; }
+
+  void warn(const std::string& line) { console_.warn(line); }
+  void print(const std::string& line);            ///< data, to stdout
+  void input(const std::filesystem::path& file);  ///< its hash goes into the report
+  nlohmann::json& numbers() { return numbers_; }  ///< what was measured, for the report
+  const nlohmann::json& numbers() const { return numbers_; }
+  const nlohmann::json& inputs() const { return inputs_; }
+
+ private:
+  Console& console_;
+  std::uint64_t seed_;
+  bool force_;
+  nlohmann::json numbers_ = nlohmann::json::object(), inputs_ = nlohmann::json::object();
+};
+
+using Action = std::function<ExitCode(Run&)>;
+
+/// Shared flags that not every command has a use for.
+struct Flags {
+  bool seed = false, force = false;
+};
+
+/// The commands of the one binary, and what they have in common: `--threads --quiet --json`, and `--seed --force` where
+/// they matter; errors turned into exit codes; names mistyped met with the nearest one.
+class CommandTable {
+ public:
+  CommandTable();
+  ~CommandTable();
+
+  /// Adds a command; `words` is its name, or group and name ("scan clean"). The caller adds its options to the result.
+  CLI::App& add(const std::string& words, const std::string& summary, const std::string& example, Flags flags,
+                Action action);
+
+  /// Parses, runs, reports. Returns the process's exit code: `ExitCode`, 128 + signal after Ctrl-C, 70 for an error of
+  /// our own making.
+  int run(int argc, const char* const* argv);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Adds an option that takes one of a few names; another is refused with the nearest.
+void add_choice(CLI::App& app, const std::string& option, std::string& value, const std::string& summary,
+                const std::vector<std::string>& names);
+
+/// Throws `UsageError` naming the nearest of `names` unless `name` is one of them.
+void check_name(const std::string& what, const std::string& name, const std::vector<std::string>& names);
+
+}  // namespace vultus::apps

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "apps/command.h"
+
+namespace vultus::apps {
+
+// One function a command, each in the source of its name.
+void add_inspect(CommandTable& table);
+void add_rig_databank(CommandTable& table);
+void add_scan_clean(CommandTable& table);
+
+}  // namespace vultus::apps
