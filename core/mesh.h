@@ -70,7 +70,7 @@ struct Mesh {
   std::shared_ptr<const Topology> topology;
   Points positions;                      ///< vertex_count×3, mm
   Points colours;                        ///< vertex_count×3 linear RGB in [0, 1], or 0 rows
-  std::string texture;                   ///< colour image named by the file (map_Kd), or empty
+  std::string texture;                   ///< path of the colour image named by the file (map_Kd), or empty
 
   bool has_colours() const { return colours.rows() == positions.rows() && positions.rows() > 0; }
 };

@@ -70,6 +70,9 @@ struct Faces {
   void close() { offsets.push_back(static_cast<int>(corner_vertex.size())); }
 };
 
+/// Path of the image that a mesh file calls `name`: beside the file, whatever folders its author's machine had.
+std::string texture_path(const std::filesystem::path& file, std::string name);
+
 /// n×3 from a flat list.
 Points points_from(const std::vector<double>& flat);
 

@@ -10,6 +10,14 @@
 namespace vultus {
 namespace mesh_files {
 
+std::string texture_path(const std::filesystem::path& file, std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  const std::filesystem::path named = file.parent_path() / name;
+  std::error_code error;
+  if (std::filesystem::exists(named, error)) return named.string();
+  return (file.parent_path() / std::filesystem::path(name).filename()).string();
+}
+
 Points points_from(const std::vector<double>& flat) {
   return Eigen::Map<const Points>(flat.data(), static_cast<Eigen::Index>(flat.size() / 3), 3);
 }

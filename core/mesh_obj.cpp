@@ -146,7 +146,7 @@ class ObjReader {
     TextCursor lines(content);
     while (lines.next_line()) {
       if (lines.word() != "map_Kd") continue;
-      texture_ = std::string(lines.rest_of_line());
+      texture_ = texture_path(material, std::string(lines.rest_of_line()));
       return;
     }
   }

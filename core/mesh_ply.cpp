@@ -158,7 +158,7 @@ class BodyReader {
     mesh.positions = points_from(positions_);
     check_finite(file_, mesh.positions, non_finite);
     if (colours_.size() == positions_.size()) mesh.colours = points_from(colours_);
-    mesh.texture = header_.texture;
+    if (!header_.texture.empty()) mesh.texture = texture_path(file_, header_.texture);
     mesh.topology = make_topology(file_, topology_data());
     return mesh;
   }

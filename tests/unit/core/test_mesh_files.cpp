@@ -52,7 +52,7 @@ TEST(Obj, RoundTripKeepsEveryBitOfPolygonsAndUvs) {
 
 TEST(Obj, ReadsNegativeIndicesColoursNormalsAndTexture) {
   const TemporaryFolder folder;
-  folder.put("head.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd face photo.png\n");
+  folder.put("head.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd C:\\scans\\face photo.png\n");
   const auto file = folder.put("a.obj",
                                "# a comment\r\nmtllib head.mtl\r\nv 0 0 0 1 0.5 0\r\nv 1 0 0 1 0.5 0\r\n"
                                "v +1 1 0 1 0.5 0\r\nv 0 1 0 0 0 1\r\nvt 0 0\r\nvt 1 0\r\nvt 1 1\r\nvn 0 0 1\r\n"
@@ -61,7 +61,7 @@ TEST(Obj, ReadsNegativeIndicesColoursNormalsAndTexture) {
   ASSERT_EQ(mesh.positions.rows(), 4);
   EXPECT_EQ(mesh.topology->triangles(), (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished());
   EXPECT_EQ(mesh.topology->triangle_uvs(), (Triangles(2, 3) << 0, 1, 2, 0, 2, 1).finished());
-  EXPECT_EQ(mesh.texture, "face photo.png");
+  EXPECT_EQ(mesh.texture, (folder / "face photo.png").string());
   ASSERT_TRUE(mesh.has_colours());
   EXPECT_EQ(mesh.colours(0, 1), 0.5);
 }
@@ -172,7 +172,7 @@ TEST(Ply, ReadsBothByteOrdersAndSkipsWhatItDoesNotKnow) {
     EXPECT_EQ(mesh.positions, (Points(3, 3) << 10, 20, 30, 11, 21, 31, 12, 22, 32).finished());
     EXPECT_EQ(mesh.topology->triangles(), (Triangles(1, 3) << 2, 1, 0).finished());
     EXPECT_EQ(mesh.colours.row(0), Eigen::RowVector3d(0, 0, 1));
-    EXPECT_EQ(mesh.texture, "photo.jpg");
+    EXPECT_EQ(mesh.texture, (folder / "photo.jpg").string());
   }
 }
 
