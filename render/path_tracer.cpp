@@ -107,7 +107,7 @@ class Tracer {
       const Vector3f wi = bsdf.sample(choice, sampler.next_2d());
       const Vector3f direction = frame.world(wi);
       last_pdf = bsdf.pdf(wi);
-      if (!(last_pdf > 0.0f) || direction.dot(surface.geometric_normal) <= 0.0f) break;
+      if (!(last_pdf > 0.0f)) break;
       throughput = throughput.cwiseProduct(bsdf.value(wi)) * (wi.z() / last_pdf);
       if (interactions >= roulette_from) {
         const float survival = std::min(0.95f, throughput.maxCoeff());
@@ -129,8 +129,7 @@ class Tracer {
                         Counts& counts) const {
     const Environment::Sample light = scene_.environment->sample(sampler.next_2d());
     const Vector3f wi = frame.local(light.direction);
-    if (!(light.pdf > 0.0f) || wi.z() <= 0.0f || light.direction.dot(surface.geometric_normal) <= 0.0f)
-      return Vector3f::Zero();
+    if (!(light.pdf > 0.0f) || wi.z() <= 0.0f) return Vector3f::Zero();
     const Vector3f arriving =
         bsdf.value(wi).cwiseProduct(light.radiance) * (wi.z() * mis_weight(light.pdf, bsdf.pdf(wi)) / light.pdf);
     if (arriving.isZero(0.0f)) return Vector3f::Zero();

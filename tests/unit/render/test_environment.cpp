@@ -70,7 +70,7 @@ class EnvironmentDensity : public testing::TestWithParam<int> {
 
 TEST_P(EnvironmentDensity, IntegratesToOne) {
   const Environment environment = make(GetParam());
-  constexpr int rows = 1000, columns = 1000;
+  constexpr int rows = 1024, columns = 1536;
   double total = 0;
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {

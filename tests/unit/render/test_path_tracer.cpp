@@ -113,9 +113,25 @@ TEST(PathTracer, GreySphereReturnsItsAlbedo) {
   EXPECT_NEAR(mean_of_covered(layers, 2), 0.05, 0.0005);
 }
 
+/// ∫ L max(0, n·w) dw over the 0.3 rad about `lamp` in latitude and longitude, outside of which it is dark.
+double irradiance(const Environment& environment, const Eigen::Vector3d& normal, const Eigen::Vector3d& lamp) {
+  constexpr int steps = 300;
+  constexpr double span = 0.3, cell = span * span / (steps * steps);
+  const double theta0 = std::acos(lamp.y()), phi0 = std::atan2(lamp.x(), lamp.z());
+  double total = 0;
+  for (int r = 0; r < steps; ++r)
+    for (int c = 0; c < steps; ++c) {
+      const double theta = theta0 + span * ((r + 0.5) / steps - 0.5), phi = phi0 + span * ((c + 0.5) / steps - 0.5);
+      const Eigen::Vector3d w(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
+      total += environment.radiance(w.cast<float>())[0] * std::max(0.0, normal.dot(w)) * std::sin(theta) * cell;
+    }
+  return total;
+}
+
+Eigen::Vector3d normal_of(const float* pixel) { return {pixel[7], pixel[8], pixel[9]}; }
+
 TEST(PathTracer, SmallLampGivesLambertsCosine) {
-  // One texel of a 128×64 map at 45 degrees above the camera's axis. Radiance is albedo/π · ∫ L cos: the integral is
-  // taken numerically over the lamp, texel by texel.
+  // Two texels of a 128×64 map, 45 degrees above the camera's axis. Radiance is albedo/π times the irradiance.
   Image map = Image::rgb(128, 64);
   map.set_rgb(0, 16, {500, 500, 500});
   map.set_rgb(127, 16, {500, 500, 500});
@@ -126,18 +142,9 @@ TEST(PathTracer, SmallLampGivesLambertsCosine) {
   for (const int y : {6, 10, 16, 20}) {
     const float* pixel = layers.at(1, y);
     ASSERT_EQ(pixel[3], 1.0f);
-    const Eigen::Vector3d normal(pixel[7], pixel[8], pixel[9]);
-    double expected = 0;
-    constexpr int rows = 600, columns = 2400;
-    for (int r = 0; r < rows; ++r)
-      for (int c = 0; c < columns; ++c) {
-        const double theta = std::numbers::pi * (r + 0.5) / rows, phi = 2 * std::numbers::pi * (c + 0.5) / columns;
-        const Eigen::Vector3d w(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
-        if (std::abs(w.x()) > 0.2 || w.z() < 0) continue;  // the lamp spans 6 degrees
-        expected += lamp.radiance(w.cast<float>())[0] * std::max(0.0, normal.dot(w)) * std::sin(theta);
-      }
-    expected *= 0.6 / std::numbers::pi * 2 * std::numbers::pi * std::numbers::pi / (rows * columns);
-    EXPECT_NEAR(pixel[0], expected, 0.02 * expected + 1e-4) << y;
+    const double expected =
+        0.6 / std::numbers::pi * irradiance(lamp, normal_of(pixel), {0, std::sqrt(0.5), std::sqrt(0.5)});
+    EXPECT_NEAR(pixel[0], expected, 0.01 * expected + 1e-4) << y;  // noise of 4096 paths
   }
 }
 
@@ -168,7 +175,6 @@ TEST(PathTracer, PixelsDoNotDependOnThreads) {
   };
   const Image one = with_threads(1);
   EXPECT_EQ(one.pixels(), with_threads(2).pixels());
-  EXPECT_EQ(one.pixels(), with_threads(4).pixels());
 }
 
 TEST(PathTracer, SeedsGiveOtherNoiseOfTheSamePicture) {
@@ -213,18 +219,20 @@ TEST(PathTracer, ClampBoundsEveryPath) {
 }
 
 TEST(PathTracer, SmoothShadingHasNoTerminatorSteps) {
-  // A coarse sphere lit from the side: facets must not cut the smooth falloff near the terminator.
+  // A coarse sphere lit from the side: its facets of 18 degrees must not cut the smooth falloff at the terminator.
   Image map = Image::rgb(64, 32);
   map.set_rgb(48, 15, {400, 400, 400});  // towards +x
   map.set_rgb(48, 16, {400, 400, 400});
-  Scene scene = scene_of(sphere(10), Environment(map), {0.8f, 0.8f, 0.8f});
+  const Environment lamp(map);
+  Scene scene = scene_of(sphere(10), lamp, {0.8f, 0.8f, 0.8f});
   scene.camera = Camera::look_at({0, 0, 4000}, {0, 0, 0}, {0, 1, 0}, 0.03, 65, 3);
   scene.camera.fx = scene.camera.fy = 65 * scene.camera.fy / 3;
-  const Image layers = trace_paths(scene, with_samples(1024)).layers;
-  for (int x = 30; x < 55; ++x) {
+  const Image layers = trace_paths(scene, with_samples(2048)).layers;
+  for (int x = 25; x < 55; ++x) {
     const float* pixel = layers.at(x, 1);
-    const double smooth = std::max(0.0f, pixel[7]) * layers.at(54, 1)[0] / layers.at(54, 1)[7];
-    EXPECT_NEAR(pixel[0], smooth, 0.06 * layers.at(54, 1)[0]) << x;
+    const double expected = 0.8 / std::numbers::pi * irradiance(lamp, normal_of(pixel), {1, 0, 0});
+    // Normals vary within a pixel by up to 3 degrees; where facets shadow, 0.03 and more is missing.
+    EXPECT_NEAR(pixel[0], expected, 0.012) << x;
   }
 }
 
