@@ -1,0 +1,93 @@
+#include "mocap/clean.h"
+
+#include <limits>
+
+#include "core/error.h"
+
+namespace vultus::mocap {
+
+namespace {
+
+const char* name_of(HeadMethod method) {
+  switch (method) {
+    case HeadMethod::jig: return "jig";
+    case HeadMethod::steady_face: return "steady face markers";
+    case HeadMethod::three_point: return "three points";
+    case HeadMethod::automatic: break;
+  }
+  return "automatic";
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+std::vector<double> missing_shares(const Take& take) {
+  std::vector<double> shares(take.labels.size(), 0.0);
+  for (int f = 0; f < take.frames(); ++f) {
+    for (int m = 0; m < take.markers(); ++m) shares[static_cast<std::size_t>(m)] += take.has(f, m) ? 0.0 : 1.0;
+  }
+  for (double& share : shares) share /= take.frames();
+  return shares;
+}
+
+CleanReport report_of(const Take& raw, const Stabilized& head) {
+  CleanReport report;
+  report.take = raw.name;
+  report.rate_hz = raw.rate_hz;
+  report.head_method = name_of(head.method);
+  report.head_markers = head.body.labels;
+  report.head_deviations.assign(head.body.deviations.data(), head.body.deviations.data() + head.body.deviations.size());
+  report.head_rms = head.rms;
+  for (const HeadPose& pose : head.poses) {
+    report.head_residuals.push_back(pose.kind == HeadPose::Kind::measured ? pose.rms
+                                                                          : std::numeric_limits<double>::quiet_NaN());
+  }
+  report.decisions = raw.decisions;
+  append(report.decisions, head.decisions);
+  return report;
+}
+
+}  // namespace
+
+void CleanOptions::validate() const {
+  head.validate();
+  spikes.validate();
+  gaps.validate();
+  filter.validate();
+}
+
+Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) {
+  options.validate();
+  progress.begin("mocap " + raw.name, 4);
+  Stabilized head = stabilize(raw, options.head);
+  progress.advance();
+  progress.check();
+  CleanReport report = report_of(raw, head);
+  Take steady = std::move(head.take);
+  if (options.remove_spikes) {
+    report.spikes = find_spikes(steady, options.spikes);
+    steady = without(steady, report.spikes);
+    if (!report.spikes.empty()) {
+      report.decisions.push_back("spikes: " + std::to_string(report.spikes.size()) + " taken out");
+    }
+  }
+  progress.advance();
+  progress.check();
+  Filled filled = fill_gaps(steady, options.gaps);
+  add_virtual_markers(filled, head.reference_frame, options.virtual_markers);
+  progress.advance();
+  progress.check();
+  Take take = smoothed(filled.take, options.filter);
+  progress.advance();
+  append(report.decisions, filled.decisions);
+  report.labels = take.labels;
+  report.missing = missing_shares(steady);
+  report.missing.resize(take.labels.size(), 1.0);
+  report.gaps = std::move(filled.gaps);
+  report.origins = std::move(filled.origins);
+  report.expected_errors = std::move(filled.expected_errors);
+  return {std::move(take), std::move(head.body), std::move(head.poses), std::move(report)};
+}
+
+}  // namespace vultus::mocap

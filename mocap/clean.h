@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "mocap/filter.h"
+#include "mocap/gaps.h"
+#include "mocap/local_frames.h"
+#include "mocap/spikes.h"
+#include "mocap/stabilize.h"
+
+namespace vultus::mocap {
+
+struct CleanOptions {
+  StabilizeOptions head;
+  SpikeOptions spikes;
+  FillOptions gaps;
+  std::vector<VirtualMarker> virtual_markers;  ///< never captured, carried by their siblings
+  FilterOptions filter;
+  bool remove_spikes = true;
+  void validate() const;  ///< throws `UsageError`
+};
+
+/// What cleaning found and did, the content of samples.json.
+struct CleanReport {
+  std::string take, head_method;
+  double rate_hz = 0.0;
+  std::vector<std::string> labels;
+  std::vector<double> missing;              ///< per marker, share of the frames as captured, 0…1
+  std::vector<Gap> gaps;
+  std::vector<Spike> spikes;
+  std::vector<std::string> head_markers;
+  std::vector<double> head_deviations;      ///< mm, one a head marker
+  std::vector<double> head_residuals;       ///< mm RMS, one a frame; NaN without a measured pose
+  double head_rms = 0.0;                    ///< mm
+  std::vector<std::string> decisions;       ///< of reading and of every step
+  std::vector<Origin> origins;              ///< frames × markers
+  std::vector<float> expected_errors;       ///< frames × markers, mm
+};
+
+struct Cleaned {
+  Take take;                     ///< head coordinates, without jig markers
+  RigidBody body;                ///< hand it to the other takes of the session, so that all share head coordinates
+  std::vector<HeadPose> poses;   ///< one a frame
+  CleanReport report;
+};
+
+/// The chain of DESIGN §3.4: head motion out, spikes out, gaps filled, never-captured markers added, smoothed.
+/// Deterministic. Throws `InputError`, `Cancelled`.
+Cleaned clean(const Take& raw, const CleanOptions& options = {}, Progress& progress = Progress::none());
+
+/// samples.json: the report, the origin of every sample that was not measured in run-length form.
+void write_samples(const std::filesystem::path& file, const CleanReport& report);
+/// Throws `InputError` for anything malformed.
+CleanReport read_samples(const std::filesystem::path& file);
+
+/// "measured", "spline", "rigid_group", …
+std::string name_of(Origin origin);
+
+}  // namespace vultus::mocap

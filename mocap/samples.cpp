@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "mocap/clean.h"
+
+namespace vultus::mocap {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::pair<Origin, const char*> kNames[] = {
+    {Origin::measured, "measured"},       {Origin::missing, "missing"},         {Origin::spline, "spline"},
+    {Origin::rigid_group, "rigid_group"}, {Origin::local_frame, "local_frame"}, {Origin::low_rank, "low_rank"},
+    {Origin::repaired, "repaired"}};
+
+Origin origin_named(const std::string& name) {
+  for (const auto& [origin, text] : kNames) {
+    if (name == text) return origin;
+  }
+  throw InputError("'" + name + "' is no origin of a sample");
+}
+
+/// Micrometres are enough to read and keep the file short.
+double rounded(double mm) { return std::round(mm * 1000.0) / 1000.0; }
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
+
+/// Runs of one origin: [first frame, last frame, origin, [expected error of each frame]] (no errors for holes).
+Json runs_of(const CleanReport& report, std::size_t marker) {
+  const std::size_t markers = report.labels.size(), frames = report.origins.size() / markers;
+  Json runs = Json::array();
+  for (std::size_t f = 0; f < frames;) {
+    const Origin origin = report.origins[f * markers + marker];
+    std::size_t end = f;
+    Json errors = Json::array();
+    for (; end < frames && report.origins[end * markers + marker] == origin; ++end) {
+      errors.push_back(rounded(report.expected_errors[end * markers + marker]));
+    }
+    if (origin == Origin::missing) errors = Json::array();
+    if (origin != Origin::measured) runs.push_back({f, end - 1, name_of(origin), errors});
+    f = end;
+  }
+  return runs;
+}
+
+void read_runs(const Json& runs, std::size_t marker, CleanReport& report) {
+  const std::size_t markers = report.labels.size(), frames = report.origins.size() / markers;
+  for (const Json& run : runs) {
+    const auto first = run.at(0).get<std::size_t>(), last = run.at(1).get<std::size_t>();
+    const Json& errors = run.at(3);
+    if (last < first || last >= frames || (!errors.empty() && errors.size() != last - first + 1)) {
+      throw InputError("a run of frames " + std::to_string(first) + " to " + std::to_string(last) + " does not fit");
+    }
+    for (std::size_t f = first; f <= last; ++f) {
+      report.origins[f * markers + marker] = origin_named(run.at(2).get<std::string>());
+      if (!errors.empty()) report.expected_errors[f * markers + marker] = errors[f - first].get<float>();
+    }
+  }
+}
+
+CleanReport parsed(const Json& json) {
+  CleanReport report;
+  report.take = json.at("take").get<std::string>();
+  report.rate_hz = json.at("rate_hz").get<double>();
+  report.decisions = json.at("decisions").get<std::vector<std::string>>();
+  const Json& head = json.at("head");
+  report.head_method = head.at("method").get<std::string>();
+  report.head_markers = head.at("markers").get<std::vector<std::string>>();
+  report.head_deviations = head.at("deviations_mm").get<std::vector<double>>();
+  report.head_rms = head.at("rms_mm").get<double>();
+  for (const Json& value : head.at("residuals_mm")) {
+    report.head_residuals.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
+  }
+  const auto frames = json.at("frames").get<std::size_t>();
+  for (const Json& marker : json.at("markers")) {
+    report.labels.push_back(marker.at("label").get<std::string>());
+    report.missing.push_back(marker.at("missing").get<double>());
+  }
+  // The residuals list one value a frame, so the frame count cannot exceed what the file holds.
+  if (report.head_residuals.size() != frames) throw InputError("'frames' and the head's residuals disagree");
+  report.origins.assign(frames * report.labels.size(), Origin::measured);
+  report.expected_errors.assign(frames * report.labels.size(), 0.0F);
+  for (std::size_t m = 0; m < report.labels.size(); ++m) {
+    const Json& marker = json.at("markers")[m];
+    read_runs(marker.at("runs"), m, report);
+    for (const Json& gap : marker.at("gaps")) {
+      report.gaps.push_back({static_cast<int>(m), gap.at("first").get<int>(), gap.at("last").get<int>(),
+                             origin_named(gap.at("method").get<std::string>()), gap.at("expected_error_mm").get<double>()});
+    }
+    for (const Json& spike : marker.at("spikes")) {
+      report.spikes.push_back({static_cast<int>(m), spike.at("first").get<int>(), spike.at("last").get<int>(),
+                               spike.at("size_mm").get<double>()});
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+std::string name_of(Origin origin) {
+  for (const auto& [value, name] : kNames) {
+    if (value == origin) return name;
+  }
+  return "measured";
+}
+
+void write_samples(const std::filesystem::path& file, const CleanReport& report) {
+  Json json = {{"take", report.take},
+               {"rate_hz", report.rate_hz},
+               {"frames", report.head_residuals.size()},
+               {"decisions", report.decisions}};
+  json["head"] = {{"method", report.head_method},
+                  {"markers", report.head_markers},
+                  {"deviations_mm", report.head_deviations},
+                  {"rms_mm", report.head_rms},
+                  {"residuals_mm", Json::array()}};
+  for (const double value : report.head_residuals) json["head"]["residuals_mm"].push_back(number_or_null(value));
+  json["markers"] = Json::array();
+  for (std::size_t m = 0; m < report.labels.size(); ++m) {
+    json["markers"].push_back({{"label", report.labels[m]},
+                               {"missing", report.missing[m]},
+                               {"runs", runs_of(report, m)},
+                               {"gaps", Json::array()},
+                               {"spikes", Json::array()}});
+  }
+  for (const Gap& gap : report.gaps) {
+    json["markers"][static_cast<std::size_t>(gap.marker)]["gaps"].push_back({{"first", gap.first},
+                                                                             {"last", gap.last},
+                                                                             {"method", name_of(gap.method)},
+                                                                             {"expected_error_mm", rounded(gap.expected_error)}});
+  }
+  for (const Spike& spike : report.spikes) {
+    json["markers"][static_cast<std::size_t>(spike.marker)]["spikes"].push_back(
+        {{"first", spike.first}, {"last", spike.last}, {"size_mm", rounded(spike.size)}});
+  }
+  write_json(file, json);
+}
+
+CleanReport read_samples(const std::filesystem::path& file) {
+  const Json json = read_json(file);
+  try {
+    return parsed(json);
+  } catch (const Json::exception& problem) {
+    throw InputError(file, problem.what());
+  } catch (const InputError& problem) {
+    throw InputError(file, problem.what());
+  }
+}
+
+}  // namespace vultus::mocap

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace vultus::mocap {
+
+/// Value below which the fraction `q` of the values lies (nearest rank); NaN without values.
+double quantile(std::vector<double> values, double q);
+double quantile(const Eigen::VectorXd& values, double q);
+double median(std::vector<double> values);
+
+}  // namespace vultus::mocap
