@@ -1,0 +1,67 @@
+#include "register/anchors.h"
+
+#include <algorithm>
+#include <map>
+
+#include "register/align.h"
+
+namespace vultus::registration {
+namespace {
+
+std::map<std::string, Eigen::Vector3d> by_name(const ScanLandmarks& landmarks) {
+  std::map<std::string, Eigen::Vector3d> map;
+  for (const ScanLandmark& landmark : landmarks) map[landmark.name] = landmark.position;
+  return map;
+}
+
+// Each target becomes its vertex, moved as the sightings of it moved from template to scan.
+void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, Anchors& anchors) {
+  const auto seen = by_name(seen_template);
+  std::vector<int> shared;
+  for (int i = 0; i < anchors.size(); ++i)
+    if (seen.contains(anchors.names[i])) shared.push_back(i);
+  if (shared.size() < 8) return;
+  Points sightings(shared.size(), 3);
+  for (std::size_t k = 0; k < shared.size(); ++k) sightings.row(k) = seen.at(anchors.names[shared[k]]);
+  const Alignment alignment =
+      align_landmarks(sightings, anchors.targets(shared, Eigen::all), anchors.confidence(shared), Scaling::free);
+  const Similarity& turn = alignment.scan_from_template;
+  for (std::size_t k = 0; k < shared.size(); ++k) {
+    const int i = shared[k];
+    const Eigen::Vector3d bias = (vertices.row(anchors.vertices[i]) - sightings.row(k)).transpose();
+    anchors.targets.row(i) += (turn.scale * (turn.rotation * bias)).transpose();
+  }
+}
+
+}  // namespace
+
+double unit_correction(double outer_eye_distance) {
+  const double least = 65.0, most = 125.0;
+  if (!(outer_eye_distance > 0.0)) return 1.0;
+  for (double factor : {1.0, 10.0, 0.1, 1000.0, 0.001, 25.4, 1.0 / 25.4, 100.0, 0.01})
+    if (factor * outer_eye_distance >= least && factor * outer_eye_distance <= most) return factor;
+  return 1.0;
+}
+
+Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
+                     const ScanLandmarks* seen_template, double least_confidence) {
+  ScanLandmarks trusted;
+  for (const ScanLandmark& landmark : scan)
+    if (landmark.confidence >= least_confidence) trusted.push_back(landmark);
+  LandmarkPairs pairs = pair_landmarks(head, trusted);
+  Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan), std::move(pairs.confidence)};
+  if (seen_template) cancel_bias(vertices, *seen_template, anchors);
+  return anchors;
+}
+
+ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given) {
+  for (const ScanLandmark& point : given) {
+    const auto same = [&](const ScanLandmark& other) { return other.name == point.name; };
+    const auto place = std::find_if(found.begin(), found.end(), same);
+    if (place == found.end()) found.push_back(point);
+    else *place = point;
+  }
+  return found;
+}
+
+}  // namespace vultus::registration

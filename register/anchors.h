@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/transform.h"
+#include "register/detect_landmarks.h"
+#include "register/landmarks.h"
+
+namespace vultus::registration {
+
+/// Template vertices and where on the scan they should come to lie; rows correspond.
+struct Anchors {
+  std::vector<std::string> names;
+  std::vector<int> vertices;       ///< control mesh, kept by subdivision
+  Points targets;                  ///< scan frame
+  Eigen::VectorXd confidence;      ///< [0, 1]
+  int size() const { return static_cast<int>(vertices.size()); }
+};
+
+/// The scan's unit as the eyes tell it: factor on the scan's coordinates that makes the outer eye corners' distance one
+/// a head can have (65–125 mm), 1 where it is already or where no usual unit helps.
+double unit_correction(double outer_eye_distance);
+
+/// What a finder says of a grey shape is biased (brows, lids) but alike on every face: where the template was seen
+/// under the same conditions (`seen_template`, template frame), each target is the template vertex moved as its
+/// sighting moved. Without it, targets are the landmarks themselves. Landmarks below `least_confidence`, contour points
+/// and names that the template lacks are left out.
+Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
+                     const ScanLandmarks* seen_template, double least_confidence);
+
+/// `found` with every point that `given` names replaced by the given one.
+ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given);
+
+}  // namespace vultus::registration

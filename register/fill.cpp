@@ -1,0 +1,108 @@
+#include "register/fill.h"
+
+#include <algorithm>
+#include <map>
+
+#include <Eigen/SparseCholesky>
+
+#include "core/error.h"
+#include "core/neighbours.h"
+#include "core/transform.h"
+
+namespace vultus::registration {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+}  // namespace
+
+Points fill_smoothly(const Topology& topology, const Points& positions, const Points& displacements,
+                     const std::vector<bool>& known) {
+  const std::vector<int> component = components(topology);
+  std::vector<bool> reached(component.size(), false);
+  for (std::size_t v = 0; v < known.size(); ++v)
+    if (known[v]) reached[component[v]] = true;
+  std::vector<int> unknown_row(known.size(), -1);
+  int rows = 0;
+  for (std::size_t v = 0; v < known.size(); ++v)
+    if (!known[v] && reached[component[v]]) unknown_row[v] = rows++;
+  if (rows == 0) return displacements;
+
+  std::vector<Eigen::Triplet<double>> entries;
+  Points right = Points::Zero(rows, 3);
+  for (const auto& [a, b] : edges(topology)) {
+    const double weight = 1.0 / std::max(1e-3, (positions.row(a) - positions.row(b)).norm());
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+      const int row = unknown_row[from];
+      if (row < 0) continue;
+      entries.emplace_back(row, row, weight);
+      if (unknown_row[to] >= 0) entries.emplace_back(row, unknown_row[to], -weight);
+      else right.row(row) += weight * displacements.row(to);
+    }
+  }
+  Sparse laplacian(rows, rows);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Sparse> solver(laplacian);
+  const Points solution = solver.solve(right);
+  Points filled = displacements;
+  for (std::size_t v = 0; v < known.size(); ++v)
+    if (unknown_row[v] >= 0) filled.row(v) = solution.row(unknown_row[v]);
+  return filled;
+}
+
+Points fit_smoothly(const Topology& topology, const Points& displacements, const Eigen::VectorXd& weights,
+                    double stiffness) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const int n = topology.vertex_count();
+  // The tiny diagonal holds components without data where they are.
+  for (int v = 0; v < n; ++v) entries.emplace_back(v, v, weights[v] + 1e-9);
+  for (const auto& [a, b] : edges(topology)) {
+    entries.emplace_back(a, a, stiffness);
+    entries.emplace_back(b, b, stiffness);
+    entries.emplace_back(a, b, -stiffness);
+    entries.emplace_back(b, a, -stiffness);
+  }
+  Sparse matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Sparse> solver(matrix);
+  return solver.solve(weights.asDiagonal() * displacements);
+}
+
+std::vector<bool> fitted_vertices(const Topology& topology) {
+  std::vector<bool> fitted(topology.vertex_count(), true);
+  for (const char* name : {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "teeth", "tongue"})
+    if (topology.has_set(name))
+      for (int v : topology.set(name)) fitted[v] = false;
+  return fitted;
+}
+
+void carry_components(const Topology& topology, const Points& rest, const std::vector<bool>& fitted, bool free_scale,
+                      Points& moved) {
+  const std::vector<int> component = components(topology);
+  std::map<int, std::vector<int>> bodies;
+  std::vector<int> skin;
+  std::vector<bool> touched(component.size(), false);
+  for (int v = 0; v < topology.vertex_count(); ++v)
+    if (fitted[v]) {
+      touched[component[v]] = true;
+      skin.push_back(v);
+    }
+  for (int v = 0; v < topology.vertex_count(); ++v)
+    if (!touched[component[v]]) bodies[component[v]].push_back(v);
+  if (bodies.empty() || skin.size() < 8) return;
+
+  const PointTree tree(rest(skin, Eigen::all));
+  for (const auto& [number, vertices] : bodies) {
+    const Points body = rest(vertices, Eigen::all);
+    const Eigen::Vector3d centre = body.colwise().mean().transpose();
+    std::vector<int> around;
+    for (const auto& neighbour : tree.nearest(centre, std::min<int>(200, static_cast<int>(skin.size()))))
+      around.push_back(skin[neighbour.index]);
+    const Points source = rest(around, Eigen::all), target = moved(around, Eigen::all);
+    const RobustFit fit = fit_similarity_robust(source, target, free_scale ? Scaling::free : Scaling::fixed, 0.5);
+    const Points placed = transformed(fit.target_from_source, body);
+    for (std::size_t i = 0; i < vertices.size(); ++i) moved.row(vertices[i]) = placed.row(i);
+  }
+}
+
+}  // namespace vultus::registration

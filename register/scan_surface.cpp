@@ -1,0 +1,93 @@
+#include "register/scan_surface.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace vultus::registration {
+namespace {
+
+std::vector<bool> border_vertices(const Topology& topology) {
+  std::vector<std::uint64_t> edges;
+  const Triangles& triangles = topology.triangles();
+  edges.reserve(3 * triangles.rows());
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(triangles(t, k), triangles(t, (k + 1) % 3));
+      edges.push_back((static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b));
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<bool> border(topology.vertex_count(), false);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const bool shared = (i > 0 && edges[i - 1] == edges[i]) || (i + 1 < edges.size() && edges[i + 1] == edges[i]);
+    if (shared) continue;
+    border[edges[i] >> 32] = border[edges[i] & 0xffffffffu] = true;
+  }
+  return border;
+}
+
+// One round over the neighbours: enough to calm 0.1 mm noise at sub-millimetre spacing without blurring lips.
+Points calmed_normals(const Mesh& scan) {
+  const Points normals = vertex_normals(*scan.topology, scan.positions);
+  const Triangles& triangles = scan.topology->triangles();
+  Points sum = normals;
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Eigen::RowVector3d mean =
+        (normals.row(triangles(t, 0)) + normals.row(triangles(t, 1)) + normals.row(triangles(t, 2))) / 3.0;
+    for (int k = 0; k < 3; ++k) sum.row(triangles(t, k)) += mean;
+  }
+  return sum.rowwise().normalized();
+}
+
+}  // namespace
+
+ScanSurface::ScanSurface(const Mesh& scan, std::vector<bool> invented)
+    : scan_(&scan),
+      rays_(*scan.topology, scan.positions),
+      normals_(calmed_normals(scan)),
+      border_(border_vertices(*scan.topology)),
+      invented_(std::move(invented)) {}
+
+bool ScanSurface::on_border(const SurfacePoint& place) const {
+  const auto corners = scan_->topology->triangles().row(place.triangle);
+  int on = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (place.barycentric[k] < 1e-4) continue;
+    if (!border_[corners[k]]) return false;
+    ++on;
+  }
+  return on < 3;  // well inside a triangle is no border, even if all its corners are
+}
+
+Eigen::Vector3d ScanSurface::normal_at(const SurfacePoint& place) const {
+  return position_of(place, *scan_->topology, normals_).normalized();
+}
+
+std::optional<Correspondence> ScanSurface::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                                                   double limit, double least_cosine) const {
+  const auto found = rays_.closest(point, limit);
+  if (!found || !is_data(found->place) || on_border(found->place)) return {};
+  const Eigen::Vector3d scan_normal = normal_at(found->place);
+  if (scan_normal.dot(normal) < least_cosine) return {};
+  return Correspondence{found->position, scan_normal, found->distance};
+}
+
+std::optional<Correspondence> ScanSurface::along(const Eigen::Vector3d& point, const Eigen::Vector3d& direction,
+                                                 const Eigen::Vector3d& normal, double limit,
+                                                 double least_cosine) const {
+  std::optional<Correspondence> best;
+  const Eigen::Vector3d start = point - limit * direction;
+  double from = 0.0;
+  while (from < 2.0 * limit) {
+    const auto hit = rays_.hit(start, direction, from, 2.0 * limit);
+    if (!hit) break;
+    from = hit->distance + 1e-3;
+    const double distance = std::abs(hit->distance - limit);
+    if (best && distance >= best->distance) break;  // hits come in order: they only move away now
+    const Eigen::Vector3d scan_normal = normal_at(hit->place);
+    if (!is_data(hit->place) || scan_normal.dot(normal) < least_cosine) continue;
+    best = Correspondence{start + hit->distance * direction, scan_normal, distance};
+  }
+  return best;
+}
+
+}  // namespace vultus::registration
