@@ -194,9 +194,10 @@ void split(std::string_view line, char separator, std::vector<std::string_view>&
 /// Mean rate of the times, seconds; 0 where they do not rise.
 double rate_of(const std::vector<double>& times) {
   if (times.size() < 2 || !(times.back() > times.front())) return 0.0;
-  const double rate = static_cast<double>(times.size() - 1) / (times.back() - times.front());
-  // Times printed with few digits give 59.9998 for 60.
-  return std::abs(rate - std::round(rate)) < 1e-3 * rate && rate > 5.0 ? std::round(rate) : rate;
+  const double span = times.back() - times.front(), rate = static_cast<double>(times.size() - 1) / span;
+  // Times printed to a tenth of a millisecond give 59.98 for 60.
+  const double tolerance = rate * std::max(1e-4, 1e-4 / span);
+  return std::abs(rate - std::round(rate)) < tolerance && rate > 5.0 ? std::round(rate) : rate;
 }
 
 void read_rows(const std::filesystem::path& file, const Lines& lines, const Table& table, Take& take) {
