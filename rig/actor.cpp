@@ -79,25 +79,6 @@ void read_poses(const Manifest& manifest, Actor& actor) {
   });
 }
 
-void read_regions(const Manifest& manifest, Actor& actor) {
-  if (!has(manifest, "regions/regions.json")) return;
-  const fs::path names_file = current_path(manifest, "regions/regions.json");
-  const Json names = read_json(names_file).at("regions");
-  const Array masks = read_npy(current_path(manifest, "regions/vertex_masks.npy"));
-  actor.region_masks = read_image(current_path(manifest, "regions/masks.exr"), Encoding::raw);
-  const std::size_t count = names.size();
-  const auto vertices = static_cast<std::size_t>(actor.topology->vertex_count());
-  if (masks.shape != std::vector<std::size_t>{vertices, count} ||
-      actor.region_masks.channels() != static_cast<int>(count))
-    throw InputError(names_file, "its regions, the vertex masks and the mask image do not agree");
-  for (std::size_t r = 0; r < count; ++r) {
-    Region region{names[r].at("name"), Eigen::VectorXf(static_cast<Eigen::Index>(vertices))};
-    for (std::size_t v = 0; v < vertices; ++v)
-      region.vertex_mask[static_cast<Eigen::Index>(v)] = masks.values[v * count + r];
-    actor.regions.push_back(std::move(region));
-  }
-}
-
 Actor read_actor(const Manifest& manifest) {
   Actor actor;
   const Json& facts = manifest.facts();
@@ -120,6 +101,26 @@ Actor read_actor(const Manifest& manifest) {
 }
 
 }  // namespace
+
+void read_regions(const Manifest& manifest, Actor& actor) {
+  if (!has(manifest, "regions/regions.json")) return;
+  const fs::path names_file = current_path(manifest, "regions/regions.json");
+  const Json names = read_json(names_file).at("regions");
+  const Array masks = read_npy(current_path(manifest, "regions/vertex_masks.npy"));
+  actor.region_masks = read_image(current_path(manifest, "regions/masks.exr"), Encoding::raw);
+  actor.regions.clear();
+  const std::size_t count = names.size();
+  const auto vertices = static_cast<std::size_t>(actor.topology->vertex_count());
+  if (masks.shape != std::vector<std::size_t>{vertices, count} ||
+      actor.region_masks.channels() != static_cast<int>(count))
+    throw InputError(names_file, "its regions, the vertex masks and the mask image do not agree");
+  for (std::size_t r = 0; r < count; ++r) {
+    Region region{names[r].at("name"), Eigen::VectorXf(static_cast<Eigen::Index>(vertices))};
+    for (std::size_t v = 0; v < vertices; ++v)
+      region.vertex_mask[static_cast<Eigen::Index>(v)] = masks.values[v * count + r];
+    actor.regions.push_back(std::move(region));
+  }
+}
 
 std::vector<std::string> Actor::pose_names() const {
   std::vector<std::string> names;

@@ -156,24 +156,11 @@ void ActorWriter::keep_poses(const std::vector<std::string>& names) {
 }
 
 bool ActorWriter::regions_are_current(const Provenance& provenance) const {
-  return manifest_.is_current(kMasks, provenance) && manifest_.is_current(kVertexMasks, provenance) &&
-         manifest_.is_current(kRegions, provenance);
+  return vultus::rig::regions_are_current(manifest_, provenance);
 }
 
 void ActorWriter::write_regions(const std::vector<Region>& regions, const Image& masks, const Provenance& provenance) {
-  Json names = Json::array();
-  for (const Region& region : regions) {
-    check_name(region.name, "region");
-    names.push_back({{"name", region.name}});
-  }
-  if (regions.empty() || masks.channels() != static_cast<int>(regions.size()))
-    throw InputError("regions: expected one mask channel for each of at least one region");
-  const Array vertex_masks = mask_array(regions, topology()->vertex_count());
-  commit_files(manifest_,
-               {{kMasks, [&](const fs::path& file) { write_image(file, masks); }},
-                {kVertexMasks, [&](const fs::path& file) { write_npy(file, vertex_masks); }},
-                {kRegions, [&](const fs::path& file) { write_json(file, {{"regions", names}}); }}},
-               provenance);
+  vultus::rig::write_regions(manifest_, topology()->vertex_count(), regions, masks, provenance);
 }
 
 bool ActorWriter::markers_are_current(const Provenance& provenance) const {
@@ -199,6 +186,28 @@ void ActorWriter::write_map(const std::string& pose, const std::string& map, con
   check_name(map, "map");
   const auto write = [&](const fs::path& file) { write_image(file, image); };
   commit_files(manifest_, {{map_file(pose, map), write}}, provenance);
+}
+
+bool regions_are_current(const Manifest& manifest, const Provenance& provenance) {
+  return manifest.is_current(kMasks, provenance) && manifest.is_current(kVertexMasks, provenance) &&
+         manifest.is_current(kRegions, provenance);
+}
+
+void write_regions(Manifest& manifest, int vertex_count, const std::vector<Region>& regions, const Image& masks,
+                   const Provenance& provenance) {
+  Json names = Json::array();
+  for (const Region& region : regions) {
+    check_name(region.name, "region");
+    names.push_back({{"name", region.name}});
+  }
+  if (regions.empty() || masks.channels() != static_cast<int>(regions.size()))
+    throw InputError("regions: expected one mask channel for each of at least one region");
+  const Array vertex_masks = mask_array(regions, vertex_count);
+  commit_files(manifest,
+               {{kMasks, [&](const fs::path& file) { write_image(file, masks); }},
+                {kVertexMasks, [&](const fs::path& file) { write_npy(file, vertex_masks); }},
+                {kRegions, [&](const fs::path& file) { write_json(file, {{"regions", names}}); }}},
+               provenance);
 }
 
 void save_actor(const fs::path& folder, const Actor& actor, const Provenance& provenance) {

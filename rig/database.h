@@ -61,6 +61,13 @@ class ActorWriter {
   std::shared_ptr<const Topology> topology_;  // read when first needed
 };
 
+/// Regions in the actor folder's form in another folder, such as a session's own division of the face.
+bool regions_are_current(const Manifest& manifest, const Provenance& provenance);
+void write_regions(Manifest& manifest, int vertex_count, const std::vector<Region>& regions, const Image& masks,
+                   const Provenance& provenance);
+/// Replaces the actor's regions by those of such a folder; leaves the actor as it is when there are none.
+void read_regions(const Manifest& manifest, Actor& actor);
+
 /// Writes a whole actor at once with one provenance, current artefacts included.
 void save_actor(const std::filesystem::path& folder, const Actor& actor, const Provenance& provenance);
 
