@@ -1,0 +1,90 @@
+#include "register/convex_map.h"
+
+#include <cmath>
+#include <map>
+
+#include <Eigen/Geometry>
+#include <Eigen/SparseLU>
+
+namespace vultus::registration::layout {
+namespace {
+
+using Weights = std::vector<std::map<int, double>>;
+
+Weights uniform_weights(const Disc& disc) {
+  const int n = static_cast<int>(disc.positions.rows()), holes = static_cast<int>(disc.holes.size());
+  Weights weights(n + holes);
+  for (const auto& t : disc.triangles)
+    for (int k = 0; k < 3; ++k) {
+      weights[t[k]][t[(k + 1) % 3]] = 1.0;
+      weights[t[(k + 1) % 3]][t[k]] = 1.0;
+    }
+  for (int h = 0; h < holes; ++h)
+    for (const int v : disc.holes[h]) weights[v][n + h] = weights[n + h][v] = 1.0;
+  return weights;
+}
+
+Uvs solve(const Disc& disc, const Weights& weights) {
+  const int n = static_cast<int>(weights.size());
+  std::vector<bool> fixed(n, false);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
+  for (std::size_t i = 0; i < disc.outline.size(); ++i) {
+    fixed[disc.outline[i]] = true;
+    right.row(disc.outline[i]) = disc.outline_uv.row(static_cast<int>(i));
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int v = 0; v < n; ++v) {
+    entries.emplace_back(v, v, 1.0);
+    if (fixed[v]) continue;
+    double sum = 0.0;
+    for (const auto& [w, weight] : weights[v]) sum += weight;
+    for (const auto& [w, weight] : weights[v]) entries.emplace_back(v, w, -weight / sum);
+  }
+  Eigen::SparseMatrix<double> system(n, n);
+  system.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SparseLU<Eigen::SparseMatrix<double>> solver(system);
+  const Eigen::MatrixXd uv = solver.solve(right);
+  return uv;
+}
+
+/// Squared L2 stretch of a triangle's map from texture to space (Sander et al. 2001), times its importance squared.
+double stretch(const Disc& disc, const Uvs& uv, int t) {
+  const auto& [a, b, c] = disc.triangles[t];
+  const Eigen::Vector2d s = (uv.row(b) - uv.row(a)).transpose(), r = (uv.row(c) - uv.row(a)).transpose();
+  const Eigen::Vector3d p = (disc.positions.row(b) - disc.positions.row(a)).transpose();
+  const Eigen::Vector3d q = (disc.positions.row(c) - disc.positions.row(a)).transpose();
+  const double area = s.x() * r.y() - s.y() * r.x();
+  const Eigen::Vector3d du = (p * r.y() - q * s.y()) / area, dv = (q * s.x() - p * r.x()) / area;
+  return 0.5 * (du.squaredNorm() + dv.squaredNorm()) * std::pow(disc.importance[t], 2);
+}
+
+}  // namespace
+
+Uvs convex_map(const Disc& disc, int rounds) {
+  Weights weights = uniform_weights(disc);
+  Uvs uv = solve(disc, weights);
+  const int n = static_cast<int>(disc.positions.rows());
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> sum(n, 0.0), area(n, 0.0);
+    for (int t = 0; t < static_cast<int>(disc.triangles.size()); ++t) {
+      const auto& [a, b, c] = disc.triangles[t];
+      const Eigen::Vector3d p = (disc.positions.row(b) - disc.positions.row(a)).transpose();
+      const Eigen::Vector3d q = (disc.positions.row(c) - disc.positions.row(a)).transpose();
+      const double size = p.cross(q).norm();
+      for (const int v : disc.triangles[t]) {
+        sum[v] += size * stretch(disc, uv, t);
+        area[v] += size;
+      }
+    }
+    // The scale of all stretches is free; divided by their mean it keeps the virtual vertices' weights in proportion.
+    double mean = 0.0;
+    for (int v = 0; v < n; ++v) mean += std::sqrt(sum[v] / area[v]) / n;
+    for (auto& row : weights)
+      for (auto& [w, weight] : row)
+        if (w < n) weight /= std::sqrt(std::sqrt(sum[w] / area[w]) / mean);
+    uv = solve(disc, weights);
+  }
+  return uv.topRows(n);
+}
+
+}  // namespace vultus::registration::layout
