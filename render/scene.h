@@ -27,6 +27,7 @@ struct Scene {
   Image albedo;                                      ///< linear reflectance in texture space; wins over vertex colours
   Eigen::Vector3f base_colour{0.60f, 0.42f, 0.34f};  ///< reflectance where there is neither
   std::vector<Finish> finishes{Finish{}};            ///< one a vertex, interpolated, or a single one for all
+  std::vector<int> hidden_vertices;                  ///< triangles with all three corners among these are left out
   Camera camera;
   std::shared_ptr<const Environment> environment;
   std::optional<Eigen::Vector3f> backdrop;  ///< what the camera sees behind the mesh; without it the environment
@@ -34,9 +35,5 @@ struct Scene {
   /// Throws `InputError` when sizes disagree, a value leaves its range, or an albedo map meets a mesh without UVs.
   void validate() const;
 };
-
-/// Finishes for a face: skin, with lips (set "lips") glossier through a soft edge and eyeballs (every set whose name
-/// begins with "eyeball") under a wet coat.
-std::vector<Finish> skin_finishes(const Topology& topology);
 
 }  // namespace vultus::render

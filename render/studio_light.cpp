@@ -35,14 +35,14 @@ struct SoftBox {
 };
 
 const SoftBox boxes[] = {
-    {-42.0f, 34.0f, 24.0f, 26.0f, {10.5f, 9.9f, 9.1f}},  // key, camera left
-    {58.0f, 8.0f, 34.0f, 36.0f, {0.85f, 0.92f, 1.05f}},  // fill, camera right
-    {142.0f, 24.0f, 9.0f, 34.0f, {9.0f, 9.6f, 10.6f}},   // rim strips behind
-    {-150.0f, 30.0f, 7.0f, 30.0f, {6.0f, 6.2f, 6.6f}},
+    {-42.0f, 34.0f, 24.0f, 26.0f, {7.4f, 6.95f, 6.35f}},  // key, camera left
+    {58.0f, 8.0f, 34.0f, 36.0f, {0.62f, 0.67f, 0.76f}},   // fill, camera right
+    {142.0f, 24.0f, 9.0f, 34.0f, {6.2f, 6.6f, 7.3f}},     // rim strips behind
+    {-150.0f, 30.0f, 7.0f, 30.0f, {4.2f, 4.35f, 4.6f}},
 };
 
 Eigen::Vector3f studio_radiance(const Eigen::Vector3f& direction) {
-  const Eigen::Vector3f ground(0.045f, 0.04f, 0.036f), wall(0.10f, 0.105f, 0.115f), ceiling(0.32f, 0.34f, 0.38f);
+  const Eigen::Vector3f ground(0.045f, 0.04f, 0.036f), wall(0.075f, 0.08f, 0.088f), ceiling(0.24f, 0.255f, 0.285f);
   const float up = direction.y();
   Eigen::Vector3f result = up < 0.0f ? Eigen::Vector3f(wall + (ground - wall) * smooth_step(0.0f, 0.35f, -up))
                                      : Eigen::Vector3f(wall + (ceiling - wall) * smooth_step(0.0f, 1.0f, up));

@@ -55,6 +55,7 @@ struct TracedScene::Impl {
   std::optional<AlbedoMap> albedo;
   Vector3f base_colour;
   std::vector<Finish> finishes;
+  std::vector<bool> hidden;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -72,6 +73,8 @@ struct TracedScene::Impl {
     if (!source.albedo.empty()) albedo.emplace(source.albedo);
     colours = rows_of(source.vertex_colours.cwiseMax(0.0).cwiseMin(1.0));
     finishes = source.finishes;
+    hidden.assign(positions.size(), false);
+    for (const int v : source.hidden_vertices) hidden[v] = true;
     build();
   }
   ~Impl() {
@@ -96,7 +99,12 @@ struct TracedScene::Impl {
       auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
           geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.rows()));
       for (std::size_t v = 0; v < positions.size(); ++v) std::copy_n(positions[v].data(), 3, vertices + 3 * v);
-      std::copy_n(triangles.data(), triangles.size(), indices);
+      for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+        const auto corner = triangles.row(t);
+        const bool left_out = hidden[corner[0]] && hidden[corner[1]] && hidden[corner[2]];
+        // A left-out triangle keeps its number but has no area, so nothing hits it.
+        for (int k = 0; k < 3; ++k) indices[3 * t + k] = static_cast<unsigned>(corner[left_out ? 0 : k]);
+      }
       rtcCommitGeometry(geometry);
       rtcAttachGeometry(scene, geometry);
       rtcReleaseGeometry(geometry);
@@ -180,8 +188,9 @@ bool TracedScene::intersect(const Ray& ray, Crossing& crossing) const {
   return true;
 }
 
-bool TracedScene::occluded(const Ray& ray) const {
+bool TracedScene::occluded(const Ray& ray, float max_distance) const {
   RTCRay query = embree_ray(ray);
+  query.tfar = max_distance;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(impl_->scene, &context, &query);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 
 #include "render/scene.h"
@@ -38,7 +39,7 @@ class TracedScene {
 
   const Eigen::Vector3d& centre() const;
   bool intersect(const Ray& ray, Crossing& crossing) const;
-  bool occluded(const Ray& ray) const;
+  bool occluded(const Ray& ray, float max_distance = std::numeric_limits<float>::infinity()) const;
   Surface surface(const Ray& ray, const Crossing& crossing) const;
 
  private:
