@@ -1,14 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "core/array_io.h"
-#include "mocap/take.h"
+#include "mocap/clean.h"
+#include "retarget/errors.h"
 #include "retarget/weights.h"
 #include "rig/actor.h"
 
@@ -28,17 +27,43 @@ namespace vultus::apps {
 //               "picture": "report/<pose>.png"}]}        relative to ACTOR
 // ACTOR/report/<pose>.distance.npy  float32, vertex_count: distance of each vertex to the scan, mm; NaN where no scan
 //                                   is near.
-// SESSION/session.json facts: {"actor": PATH (absolute or relative to SESSION), "takes": [NAME…], "regions": [NAME…],
-//                              "solver": NAME, "decisions": [TEXT…], "warnings": [TEXT…]}
+// SESSION/session.json facts: {"actor": PATH (absolute or relative to SESSION), "takes": [NAME…], "solver": NAME,
+//                              "decisions": [TEXT…], "warnings": [TEXT…]}
+// SESSION/markers.json             rig/markers.h: where the session's markers sit on the rig; else the actor's own.
 // SESSION/takes/<take>/report.json  written by `session`:
 //   {"space": "training" | "surface",                    where the marker basis came from, so what the errors measure
 //    "decisions": [TEXT…], "warnings": [TEXT…],
 //    "table": [{"regions": n, "name": TEXT, "max_mm": x, "min_mm": x, "mean_mm": x}…],     Liu's table 1, global first
-//    "global_errors": "errors_global.csv",               errors.csv's form for the global solve
-//    "stabilization": {"method": TEXT, "rms_mm": [x per frame]},
 //    "solve": {"frames_per_second": x, "worst_kkt_residual": x}}
-// SESSION/takes/<take>/samples.json  mocap/clean.h: how each filled sample came to be.
-// SESSION/render/<take>/<frame>.{png,jpg}   also in realtime/ and reference/ below <take>; EXR beside it is not inlined.
-// SESSION/render/<take>/film.mp4    copied into the page only below 8 MB, else linked.
+// SESSION/takes/<take>/errors_global.csv   the form of errors.csv, for the global solve.
+// SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals.
+// SESSION/render/<take>/<frame>.{png,jpg}   also in realtime/ and reference/ below <take>.
+// SESSION/render/<take>/film.mp4    (or any .mp4 there) inlined below 8 MB, else linked.
+
+/// One take of a session as far as it is on disk.
+struct ReviewTake {
+  std::string name;
+  std::optional<retarget::Weights> weights;
+  std::optional<retarget::MarkerErrors> errors, global_errors;
+  std::optional<mocap::CleanReport> samples;
+  nlohmann::json report = nlohmann::json::object();
+  double rate_hz() const;
+  int frames() const;
+};
+
+/// A session folder and its actor.
+struct ReviewSession {
+  std::filesystem::path folder, actor_folder;
+  rig::Actor actor;
+  nlohmann::json facts, registration;  ///< session.json's facts; null without a registration report
+  std::map<std::string, SurfacePoint> markers;
+  std::vector<ReviewTake> takes;
+  std::vector<std::string> missing;           ///< files a whole page would have
+  std::map<std::string, std::string> hashes;  ///< artefact → SHA-256, for the provenance line
+};
+
+/// Reads everything; throws `InputError` for a folder that is no session, an actor that cannot be loaded, or a file
+/// that is there but damaged.
+ReviewSession read_review_session(const std::filesystem::path& session);
 
 }  // namespace vultus::apps

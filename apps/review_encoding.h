@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vultus::apps {
+
+/// RFC 4648 base64 with padding.
+std::string base64(std::string_view bytes);
+/// The little-endian bytes of an array, as base64; JavaScript reads them back with a typed array.
+std::string base64(std::span<const std::uint8_t> values);
+std::string base64(std::span<const std::uint16_t> values);
+std::string base64(std::span<const std::int16_t> values);
+std::string base64(std::span<const std::uint32_t> values);
+
+/// Steps of `unit` from 0, rounded, at most 65534; 65535 stands for NaN.
+std::vector<std::uint16_t> quantized(std::span<const float> values, double unit);
+
+/// Text that may stand between <script> tags: no "</script" or "<!--" inside ends it early. The escapes are ones that
+/// JavaScript and JSON strings read as the same text.
+std::string script_text(std::string_view text);
+/// Text between <style> tags.
+std::string style_text(std::string_view text);
+
+}  // namespace vultus::apps
