@@ -1,12 +1,11 @@
 #include "mocap/axes.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "core/error.h"
 
@@ -108,10 +107,10 @@ Eigen::Matrix3i decide_axes(Take& take, const FileConvention& convention, const 
 
 std::optional<double> mm_of_unit(const std::string& name) {
   static const std::pair<const char*, double> units[] = {
-      {"mm", 1.0},      {"millimeter", 1.0},  {"millimeters", 1.0},  {"millimetre", 1.0}, {"millimetres", 1.0},
-      {"cm", 10.0},     {"centimeter", 10.0}, {"centimeters", 10.0}, {"centimetre", 10.0}, {"centimetres", 10.0},
-      {"m", 1000.0},    {"meter", 1000.0},    {"meters", 1000.0},    {"metre", 1000.0},   {"metres", 1000.0},
-      {"in", 25.4},     {"inch", 25.4},       {"inches", 25.4}};
+      {"mm", 1.0},   {"millimeter", 1.0},  {"millimeters", 1.0},  {"millimetre", 1.0},  {"millimetres", 1.0},
+      {"cm", 10.0},  {"centimeter", 10.0}, {"centimeters", 10.0}, {"centimetre", 10.0}, {"centimetres", 10.0},
+      {"m", 1000.0}, {"meter", 1000.0},    {"meters", 1000.0},    {"metre", 1000.0},    {"metres", 1000.0},
+      {"in", 25.4},  {"inch", 25.4},       {"inches", 25.4}};
   const std::string wanted = lower(name);
   for (const auto& [unit, mm] : units) {
     if (wanted == unit) return mm;

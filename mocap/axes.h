@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
-
-#include <Eigen/Core>
 
 #include "mocap/take.h"
 

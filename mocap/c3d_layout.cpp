@@ -70,7 +70,8 @@ C3dParameters parameters_of(FileBytes& file, std::uint64_t section, const C3dHea
 /// Candidate values in order of trust, without repetition.
 template <class T>
 void add(std::vector<T>& candidates, std::optional<T> value) {
-  if (value && std::find(candidates.begin(), candidates.end(), *value) == candidates.end()) candidates.push_back(*value);
+  if (value && std::find(candidates.begin(), candidates.end(), *value) == candidates.end())
+    candidates.push_back(*value);
 }
 
 std::optional<std::uint64_t> count_of(std::optional<double> value) {
@@ -107,7 +108,9 @@ Candidates candidates_of(const C3dHeader& header, const C3dParameters& parameter
   if (channels && analog_rate && rate && *rate > 0.0 && *analog_rate >= 0.0 && *analog_rate / *rate < 1e5) {
     add(result.analog, count_of(*channels * std::round(*analog_rate / *rate)));
   }
-  const auto offset = [](double block) { return std::optional<std::uint64_t>(kBlock * static_cast<std::uint64_t>(block - 1.0)); };
+  const auto offset = [](double block) {
+    return std::optional<std::uint64_t>(kBlock * static_cast<std::uint64_t>(block - 1.0));
+  };
   const auto stated = unsigned_number(parameters, "POINT", "DATA_START");
   if (stated && *stated >= 2.0) add(result.offsets, offset(*stated));
   if (header.data_block >= 2) add(result.offsets, offset(header.data_block));
@@ -151,23 +154,25 @@ std::vector<C3dLayout> combinations(const Candidates& c) {
 
 std::string described(const C3dLayout& layout) {
   return std::to_string(layout.frames) + " frames of " + std::to_string(layout.points) + " points and " +
-         std::to_string(layout.analog_per_frame) + " analog values, " + (layout.real ? "real" : "integer") + ", from byte " +
-         std::to_string(layout.data_offset);
+         std::to_string(layout.analog_per_frame) + " analog values, " + (layout.real ? "real" : "integer") +
+         ", from byte " + std::to_string(layout.data_offset);
 }
 
 C3dLayout settle(FileBytes& file, const C3dHeader& header, const C3dParameters& parameters,
                  std::vector<std::string>& decisions) {
   const Candidates candidates = candidates_of(header, parameters);
-  if (candidates.offsets.empty()) throw InputError(file.path(), at_byte(16), "no place is given where the samples start");
+  if (candidates.offsets.empty())
+    throw InputError(file.path(), at_byte(16), "no place is given where the samples start");
   if (candidates.scales.empty()) throw InputError(file.path(), at_byte(12), "the scale factor is zero or not a number");
   const std::vector<C3dLayout> all = combinations(candidates);
-  if (all.empty()) throw InputError(file.path(), at_byte(2), "the file holds no marker positions (no points or no frames)");
+  if (all.empty())
+    throw InputError(file.path(), at_byte(2), "the file holds no marker positions (no points or no frames)");
   for (const C3dLayout& layout : all) {
     const auto left = slack(layout, file.size());
     if (!left || *left >= kBlock) continue;
     if (&layout != &all.front()) {
-      decisions.push_back("layout: " + described(layout) + ", as the size of the file asks (stated: " +
-                          described(all.front()) + ")");
+      decisions.push_back("layout: " + described(layout) +
+                          ", as the size of the file asks (stated: " + described(all.front()) + ")");
     }
     return layout;
   }

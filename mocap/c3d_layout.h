@@ -19,7 +19,7 @@ struct C3dHeader {
 struct C3dLayout {
   int points = 0;
   std::uint64_t frames = 0;
-  int analog_per_frame = 0;       ///< analog values that follow the points of each frame
+  int analog_per_frame = 0;  ///< analog values that follow the points of each frame
   bool real = true;
   double scale = 1.0;             ///< file units per integer step, and per step of the residuals
   std::uint64_t data_offset = 0;  ///< bytes

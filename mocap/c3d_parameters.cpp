@@ -100,7 +100,8 @@ C3dParameters C3dParameters::parse(Bytes section, std::uint64_t offset, Decoder 
     const bool trust_link = step > 1 && plausible(section, link + step);
     if (!trust_link && end > link + 2 && plausible(section, end)) {
       if (end < section.size() && section[end] != 0) {
-        decisions.push_back("parameters: " + name + " at " + place(at) + " points outside; the next one was found by size");
+        decisions.push_back("parameters: " + name + " at " + place(at) +
+                            " points outside; the next one was found by size");
       }
       at = end;
     } else if (trust_link) {
@@ -138,10 +139,14 @@ std::optional<double> C3dParameters::number(std::string_view group, std::string_
   if (parameter == nullptr || index >= count(group, name)) return {};
   const std::uint8_t* data = parameter->data.data();
   switch (parameter->type) {
-    case 1: return data[index];
-    case 2: return decoder_.integer(data + 2 * index);
-    case 4: return decoder_.real(data + 4 * index);
-    default: break;
+    case 1:
+      return data[index];
+    case 2:
+      return decoder_.integer(data + 2 * index);
+    case 4:
+      return decoder_.real(data + 4 * index);
+    default:
+      break;
   }
   const std::string text = strings(group, name)[index];
   char* end = nullptr;
@@ -223,7 +228,8 @@ void C3dParameterWriter::texts(int id, std::string_view name, const std::vector<
     const std::size_t n = std::min(batch, values.size() - first);
     std::vector<std::uint8_t> data(n * width, ' ');
     for (std::size_t i = 0; i < n; ++i) {
-      std::copy(values[first + i].begin(), values[first + i].end(), data.begin() + static_cast<std::ptrdiff_t>(i * width));
+      std::copy(values[first + i].begin(), values[first + i].end(),
+                data.begin() + static_cast<std::ptrdiff_t>(i * width));
     }
     const std::string suffix = part == 1 ? "" : std::to_string(part);
     record(id, std::string(name) + suffix, -1, {static_cast<int>(width), static_cast<int>(n)}, data);

@@ -37,7 +37,8 @@ void decode_sample(const Decoder& decoder, const C3dLayout& layout, const std::u
   if (layout.real) {
     for (int c = 0; c < 3; ++c) p[c] = decoder.real(bytes + 4 * c);
     const float word = decoder.real(bytes + 12);
-    fourth = std::isfinite(word) && word >= 0.0F && word < 32768.0F ? split(static_cast<int>(word)) : Fourth{false, 0, 0};
+    fourth =
+        std::isfinite(word) && word >= 0.0F && word < 32768.0F ? split(static_cast<int>(word)) : Fourth{false, 0, 0};
     repairs.fractional_residuals += fourth.valid && word != std::floor(word);
   } else {
     for (int c = 0; c < 3; ++c) p[c] = static_cast<float>(decoder.integer(bytes + 2 * c) * layout.scale);
@@ -79,7 +80,8 @@ void read_samples(FileBytes& file, const C3dHead& head, Take& take) {
     }
   };
   pass([&](const std::uint8_t* frame, std::size_t i) {
-    for (std::size_t m = 0; m < markers; ++m) decode_sample(head.decoder, layout, frame + m * sample, i + m, take, repairs);
+    for (std::size_t m = 0; m < markers; ++m)
+      decode_sample(head.decoder, layout, frame + m * sample, i + m, take, repairs);
   });
   if (repairs.fractional_residuals > 0) {
     pass([&](const std::uint8_t* frame, std::size_t i) { reread_fractional(head, frame, i, take); });
@@ -88,10 +90,12 @@ void read_samples(FileBytes& file, const C3dHead& head, Take& take) {
                              " are no whole steps), so no camera masks");
   }
   if (repairs.not_finite > 0) {
-    take.decisions.push_back("samples: " + std::to_string(repairs.not_finite) + " without finite coordinates taken as missing");
+    take.decisions.push_back("samples: " + std::to_string(repairs.not_finite) +
+                             " without finite coordinates taken as missing");
   }
   if (repairs.at_origin > 0) {
-    take.decisions.push_back("samples: " + std::to_string(repairs.at_origin) + " at exactly (0, 0, 0) taken as missing");
+    take.decisions.push_back("samples: " + std::to_string(repairs.at_origin) +
+                             " at exactly (0, 0, 0) taken as missing");
   }
 }
 
@@ -124,7 +128,8 @@ double rate_of(FileBytes& file, const C3dHead& head, std::vector<std::string>& d
     throw InputError(file.path(), "byte 20", "the frame rate is zero or not a number");
   }
   const double rate = usable(stated) ? stated : head.header.rate_hz;
-  if (rate != head.header.rate_hz) decisions.push_back("rate: " + std::to_string(rate) + " Hz of POINT:RATE, not the header's");
+  if (rate != head.header.rate_hz)
+    decisions.push_back("rate: " + std::to_string(rate) + " Hz of POINT:RATE, not the header's");
   return rate;
 }
 
@@ -155,8 +160,10 @@ Take read_c3d(const std::filesystem::path& path, const ReadOptions& options) {
   read_samples(file, head, take);
   read_events(file, head, take);
   const C3dParameters& p = head.parameters;
-  to_our_frame(take, {first_or_empty(p.strings("POINT", "UNITS")), first_or_empty(p.strings("POINT", "X_SCREEN")),
-                      first_or_empty(p.strings("POINT", "Y_SCREEN"))}, options);
+  to_our_frame(take,
+               {first_or_empty(p.strings("POINT", "UNITS")), first_or_empty(p.strings("POINT", "X_SCREEN")),
+                first_or_empty(p.strings("POINT", "Y_SCREEN"))},
+               options);
   return take;
 }
 

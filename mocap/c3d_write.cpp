@@ -101,7 +101,8 @@ void put_frame(const Take& take, float step, int frame, std::vector<float>& valu
 }
 
 void check(const std::filesystem::path& file, const Take& take) {
-  if (take.markers() == 0 || take.frames() == 0) throw OutputError(file, "C3D cannot hold a take without markers or frames");
+  if (take.markers() == 0 || take.frames() == 0)
+    throw OutputError(file, "C3D cannot hold a take without markers or frames");
   if (take.markers() > kLargestWord) throw OutputError(file, "C3D holds 65535 markers at most");
 }
 

@@ -10,10 +10,14 @@ namespace {
 
 const char* name_of(HeadMethod method) {
   switch (method) {
-    case HeadMethod::jig: return "jig";
-    case HeadMethod::steady_face: return "steady face markers";
-    case HeadMethod::three_point: return "three points";
-    case HeadMethod::automatic: break;
+    case HeadMethod::jig:
+      return "jig";
+    case HeadMethod::steady_face:
+      return "steady face markers";
+    case HeadMethod::three_point:
+      return "three points";
+    case HeadMethod::automatic:
+      break;
   }
   return "automatic";
 }

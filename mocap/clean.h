@@ -28,22 +28,22 @@ struct CleanReport {
   std::string take, head_method;
   double rate_hz = 0.0;
   std::vector<std::string> labels;
-  std::vector<double> missing;              ///< per marker, share of the frames as captured, 0…1
+  std::vector<double> missing;  ///< per marker, share of the frames as captured, 0…1
   std::vector<Gap> gaps;
   std::vector<Spike> spikes;
   std::vector<std::string> head_markers;
-  std::vector<double> head_deviations;      ///< mm, one a head marker
-  std::vector<double> head_residuals;       ///< mm RMS, one a frame; NaN without a measured pose
-  double head_rms = 0.0;                    ///< mm
-  std::vector<std::string> decisions;       ///< of reading and of every step
-  std::vector<Origin> origins;              ///< frames × markers
-  std::vector<float> expected_errors;       ///< frames × markers, mm
+  std::vector<double> head_deviations;  ///< mm, one a head marker
+  std::vector<double> head_residuals;   ///< mm RMS, one a frame; NaN without a measured pose
+  double head_rms = 0.0;                ///< mm
+  std::vector<std::string> decisions;   ///< of reading and of every step
+  std::vector<Origin> origins;          ///< frames × markers
+  std::vector<float> expected_errors;   ///< frames × markers, mm
 };
 
 struct Cleaned {
-  Take take;                     ///< head coordinates, without jig markers
-  RigidBody body;                ///< hand it to the other takes of the session, so that all share head coordinates
-  std::vector<HeadPose> poses;   ///< one a frame
+  Take take;                    ///< head coordinates, without jig markers
+  RigidBody body;               ///< hand it to the other takes of the session, so that all share head coordinates
+  std::vector<HeadPose> poses;  ///< one a frame
   CleanReport report;
 };
 

@@ -24,11 +24,11 @@ std::string at_line(std::size_t line) { return "line " + std::to_string(line + 1
 /// Where a table keeps its markers.
 struct Table {
   char separator = ',';
-  std::size_t first_row = 0, end_row = 0;          ///< lines of the samples
+  std::size_t first_row = 0, end_row = 0;  ///< lines of the samples
   std::vector<std::string> names;
-  std::vector<std::array<std::size_t, 3>> columns; ///< x, y, z of each marker
-  std::optional<std::size_t> time_column;          ///< seconds
-  double rate_hz = 0.0;                            ///< 0: from the time column
+  std::vector<std::array<std::size_t, 3>> columns;  ///< x, y, z of each marker
+  std::optional<std::size_t> time_column;           ///< seconds
+  double rate_hz = 0.0;                             ///< 0: from the time column
   FileConvention convention;
 };
 
@@ -130,7 +130,8 @@ Table motive_table(const std::filesystem::path& file, const Lines& lines) {
     }
   }
   if (axes.empty() || types.empty() || properties.empty()) {
-    throw InputError(file, at_line(l), "a Motive export has rows with Marker, names, Position and Frame above its data");
+    throw InputError(file, at_line(l),
+                     "a Motive export has rows with Marker, names, Position and Frame above its data");
   }
   const std::size_t width = std::min({types.size(), names.size(), properties.size(), axes.size()});
   for (const char* type : {"Marker", "Bone Marker", "Rigid Body Marker"}) {
@@ -151,7 +152,8 @@ Table motive_table(const std::filesystem::path& file, const Lines& lines) {
 /// Vicon: "Trajectories", the rate, names over every third column, axes, units; ends at a blank line.
 Table vicon_table(const std::filesystem::path& file, const Lines& lines, std::size_t section) {
   Table table;
-  if (section + 5 > lines.size()) throw InputError(file, at_line(lines.size()), "the Trajectories section is cut short");
+  if (section + 5 > lines.size())
+    throw InputError(file, at_line(lines.size()), "the Trajectories section is cut short");
   table.separator = separator_of(lines[section + 2]);
   const Cell rate = cell_value(cells_of(lines[section + 1], table.separator)[0]);
   if (rate.kind != Cell::number || rate.value <= 0.0) {
@@ -173,7 +175,8 @@ Table vicon_table(const std::filesystem::path& file, const Lines& lines, std::si
 }
 
 Table table_of(const std::filesystem::path& file, const Lines& lines) {
-  if (lines[0].starts_with("Format Version") || lines[0].starts_with("\"Format Version")) return motive_table(file, lines);
+  if (lines[0].starts_with("Format Version") || lines[0].starts_with("\"Format Version"))
+    return motive_table(file, lines);
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const std::string_view line = lines[l].substr(0, 13);
     if (line.starts_with("Trajectories")) return vicon_table(file, lines, l);
@@ -212,8 +215,9 @@ void read_rows(const std::filesystem::path& file, const Lines& lines, const Tabl
       for (const std::size_t column : columns) {
         const Cell cell = column < cells.size() ? cell_value(cells[column], decimal_comma) : Cell{Cell::missing, 0.0};
         if (cell.kind == Cell::malformed) {
-          throw InputError(file, at_line(l), "column " + std::to_string(column + 1) + ": '" +
-                                                 trimmed(cells[column].substr(0, 40)) + "' is not a number");
+          throw InputError(file, at_line(l),
+                           "column " + std::to_string(column + 1) + ": '" + trimmed(cells[column].substr(0, 40)) +
+                               "' is not a number");
         }
         here = here && cell.kind == Cell::number;
         take.positions.push_back(static_cast<float>(cell.value));

@@ -1,11 +1,11 @@
 #include "mocap/filter.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 
@@ -88,11 +88,14 @@ Signal butterworth(const Signal& x, double cutoff_hz, double rate_hz) {
 
 Signal filtered(const Signal& x, const FilterOptions& options, double rate_hz) {
   switch (options.smoothing) {
-    case Smoothing::three_frame: return convolved(x, {1.0 / 3.0, 1.0 / 3.0});
-    case Smoothing::gaussian: return convolved(x, gaussian_kernel(options.sigma_seconds * rate_hz));
+    case Smoothing::three_frame:
+      return convolved(x, {1.0 / 3.0, 1.0 / 3.0});
+    case Smoothing::gaussian:
+      return convolved(x, gaussian_kernel(options.sigma_seconds * rate_hz));
     case Smoothing::butterworth:
       return 2.0 * options.cutoff_hz >= rate_hz ? x : butterworth(x, options.cutoff_hz, rate_hz);
-    case Smoothing::none: break;
+    case Smoothing::none:
+      break;
   }
   return x;
 }
@@ -100,7 +103,8 @@ Signal filtered(const Signal& x, const FilterOptions& options, double rate_hz) {
 void smooth_stretch(const FilterOptions& options, int marker, int first, int last, Take& take) {
   Signal x(static_cast<std::size_t>(last - first + 1));
   for (std::size_t c = 0; c < 3; ++c) {
-    for (int f = first; f <= last; ++f) x[static_cast<std::size_t>(f - first)] = take.positions[3 * take.index(f, marker) + c];
+    for (int f = first; f <= last; ++f)
+      x[static_cast<std::size_t>(f - first)] = take.positions[3 * take.index(f, marker) + c];
     const Signal y = filtered(x, options, take.rate_hz);
     for (int f = first; f <= last; ++f) {
       take.positions[3 * take.index(f, marker) + c] = static_cast<float>(y[static_cast<std::size_t>(f - first)]);

@@ -1,10 +1,10 @@
 #include "mocap/gap_errors.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <tbb/parallel_for.h>
 
 #include "core/random.h"
 #include "mocap/statistics.h"
@@ -26,7 +26,8 @@ struct Trial {
 /// Four classes from the gap's end (0) to its middle, or to the far end of a gap at the take's edge.
 int place_of(int frame, const Gap& gap, bool open_left, bool open_right, int places) {
   const double n = gap.frames();
-  const double from_left = open_left ? kInfinite : frame - gap.first + 1, from_right = open_right ? kInfinite : gap.last - frame + 1;
+  const double from_left = open_left ? kInfinite : frame - gap.first + 1,
+               from_right = open_right ? kInfinite : gap.last - frame + 1;
   const double depth = std::min(from_left, from_right) / (open_left || open_right ? n : 0.5 * (n + 1.0));
   return std::clamp(static_cast<int>(depth * places - 1e-9), 0, places - 1);
 }
@@ -95,7 +96,8 @@ GapErrors::GapErrors(const Take& take, const RigidGroups& groups, const Method& 
       for (const Trial& trial : all) {
         if (trial.gap.frames() != length || trial.edge != edge) continue;
         for (std::size_t i = 0; i < trial.errors.size(); ++i) {
-          pooled[place_of(trial.gap.first + static_cast<int>(i), trial.gap, edge, false, kPlaces)].push_back(trial.errors[i]);
+          pooled[place_of(trial.gap.first + static_cast<int>(i), trial.gap, edge, false, kPlaces)].push_back(
+              trial.errors[i]);
         }
       }
       Row row{length, {}};

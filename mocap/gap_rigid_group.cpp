@@ -1,7 +1,7 @@
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/transform.h"
@@ -67,7 +67,8 @@ RigidGroups::RigidGroups(const Take& take) : neighbours_(take.labels.size()) {
   });
 }
 
-std::optional<Points> rigid_group_fill(const TakeView& view, const Gap& gap, const RigidGroups& groups, int group_size) {
+std::optional<Points> rigid_group_fill(const TakeView& view, const Gap& gap, const RigidGroups& groups,
+                                       int group_size) {
   const int before = gap.first - 1, after = gap.last + 1;
   const bool left = view.has(before, gap.marker), right = view.has(after, gap.marker);
   if (!left && !right) return {};

@@ -1,6 +1,5 @@
-#include <algorithm>
-
 #include <Eigen/QR>
+#include <algorithm>
 
 #include "mocap/gap_methods.h"
 
@@ -43,7 +42,8 @@ std::optional<Points> spline_fill(const TakeView& view, const Gap& gap) {
   const Eigen::Vector3d v1 = span * end_velocity(view, gap.marker, after, 1);
   for (int i = 0; i < gap.frames(); ++i) {
     const double t = (i + 1) / span, u = 1.0 - t;
-    const Eigen::Vector3d p = u * u * (1.0 + 2.0 * t) * p0 + t * u * u * v0 + t * t * (3.0 - 2.0 * t) * p1 - t * t * u * v1;
+    const Eigen::Vector3d p =
+        u * u * (1.0 + 2.0 * t) * p0 + t * u * u * v0 + t * t * (3.0 - 2.0 * t) * p1 - t * t * u * v1;
     filled.row(i) = p.transpose();
   }
   return filled;

@@ -1,9 +1,9 @@
 #include "mocap/gaps.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "mocap/gap_errors.h"
@@ -22,14 +22,18 @@ struct Filler {
   GapErrors spline_errors, group_errors;
 
   Filler(const Take& t, const FillOptions& o, int longest_spline, int longest)
-      : take(t), options(o), groups(t),
-        spline_errors(t, groups, [](const TakeView& view, const Gap& gap) { return spline_fill(view, gap); },
-                      longest_spline, o.trials, o.seed),
-        group_errors(t, groups,
-                     [this](const TakeView& view, const Gap& gap) {
-                       return rigid_group_fill(view, gap, groups, options.group_size);
-                     },
-                     longest, o.trials, o.seed + 1) {}
+      : take(t),
+        options(o),
+        groups(t),
+        spline_errors(
+            t, groups, [](const TakeView& view, const Gap& gap) { return spline_fill(view, gap); }, longest_spline,
+            o.trials, o.seed),
+        group_errors(
+            t, groups,
+            [this](const TakeView& view, const Gap& gap) {
+              return rigid_group_fill(view, gap, groups, options.group_size);
+            },
+            longest, o.trials, o.seed + 1) {}
 };
 
 bool at_edge(const Take& take, const Gap& gap) { return gap.first == 0 || gap.last + 1 == take.frames(); }

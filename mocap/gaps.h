@@ -20,20 +20,20 @@ struct Gap {
 std::vector<Gap> find_gaps(const Take& take);
 
 struct FillOptions {
-  double spline_seconds = 0.2;    ///< gaps up to this long are bridged by splines, ≥ 0
-  int group_size = 6;             ///< markers of a rigid group at most, 3 to 32
-  double hole_above_mm = 4.0;     ///< gaps with a larger expected error stay holes, > 0
-  int trials = 160;               ///< leave-out trials for each method and gap length, ≥ 20
-  std::uint64_t seed = 1;         ///< of the trials
-  void validate() const;          ///< throws `UsageError`
+  double spline_seconds = 0.2;  ///< gaps up to this long are bridged by splines, ≥ 0
+  int group_size = 6;           ///< markers of a rigid group at most, 3 to 32
+  double hole_above_mm = 4.0;   ///< gaps with a larger expected error stay holes, > 0
+  int trials = 160;             ///< leave-out trials for each method and gap length, ≥ 20
+  std::uint64_t seed = 1;       ///< of the trials
+  void validate() const;        ///< throws `UsageError`
 };
 
 /// A take whose gaps are filled as far as that is honest.
 struct Filled {
   Take take;
-  std::vector<Origin> origins;          ///< frames × markers
-  std::vector<float> expected_errors;   ///< frames × markers, mm; 0 for measured samples and holes
-  std::vector<Gap> gaps;                ///< as found, with what was done
+  std::vector<Origin> origins;         ///< frames × markers
+  std::vector<float> expected_errors;  ///< frames × markers, mm; 0 for measured samples and holes
+  std::vector<Gap> gaps;               ///< as found, with what was done
   std::vector<std::string> decisions;
 };
 

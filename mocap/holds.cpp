@@ -142,7 +142,8 @@ NeutralChoice choose_neutral(const Take& clean, const std::vector<std::pair<int,
       best = i;
     }
   }
-  NeutralChoice choice{Points::Zero(clean.markers(), 3), holds[best], static_cast<double>(most) / static_cast<double>(poses.size())};
+  NeutralChoice choice{Points::Zero(clean.markers(), 3), holds[best],
+                       static_cast<double>(most) / static_cast<double>(poses.size())};
   Eigen::VectorXd seen = Eigen::VectorXd::Zero(clean.markers());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!(rms_distance(poses[i], poses[best]) < tolerance)) continue;

@@ -25,9 +25,9 @@ double spread_about(const Take& clean, std::pair<int, int> frames, const Points&
 double rms_distance(const Points& a, const Points& b);
 
 struct NeutralChoice {
-  Points pose;                ///< over all rests of the neutral
-  std::pair<int, int> hold;   ///< its longest rest
-  double score = 0.0;         ///< share of the rests that are neutral
+  Points pose;               ///< over all rests of the neutral
+  std::pair<int, int> hold;  ///< its longest rest
+  double score = 0.0;        ///< share of the rests that are neutral
 };
 
 /// The rest that recurs most (rests within `tolerance` mm of each other are one; ties go to the earlier).

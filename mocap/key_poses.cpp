@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -19,15 +18,17 @@ using Range = std::pair<int, int>;
 
 Range range_of(const std::filesystem::path& file, const std::string& pose, const nlohmann::json& value, int frames) {
   const bool single = value.is_number_integer();
-  const bool pair = value.is_array() && value.size() == 2 && value[0].is_number_integer() && value[1].is_number_integer();
+  const bool pair =
+      value.is_array() && value.size() == 2 && value[0].is_number_integer() && value[1].is_number_integer();
   if (!single && !pair) {
     throw InputError(file, "pose '" + pose + "'", "a frame number or [first, last] is expected");
   }
   const auto first = single ? value.get<std::int64_t>() : value[0].get<std::int64_t>();
   const auto last = single ? first : value[1].get<std::int64_t>();
   if (first < 0 || last < first || last >= frames) {
-    throw InputError(file, "pose '" + pose + "'", "frames " + std::to_string(first) + " to " + std::to_string(last) +
-                                                      " are not in the take of " + std::to_string(frames) + " frames");
+    throw InputError(file, "pose '" + pose + "'",
+                     "frames " + std::to_string(first) + " to " + std::to_string(last) + " are not in the take of " +
+                         std::to_string(frames) + " frames");
   }
   return {static_cast<int>(first), static_cast<int>(last)};
 }
@@ -41,7 +42,8 @@ void add(const Take& clean, const std::string& pose, Range hold, double score, K
   int unseen = 0;
   for (int m = 0; m < clean.markers(); ++m) unseen += !result.positions.back().row(m).allFinite();
   if (unseen > 0) {
-    result.decisions.push_back("pose '" + pose + "': " + std::to_string(unseen) + " markers are not seen in its frames");
+    result.decisions.push_back("pose '" + pose + "': " + std::to_string(unseen) +
+                               " markers are not seen in its frames");
   }
 }
 
@@ -59,7 +61,9 @@ std::vector<std::size_t> choose(const std::vector<Candidate>& candidates, std::s
   constexpr double impossible = -1e18;
   std::vector<std::vector<double>> best(count + 1, std::vector<double>(n + 1, impossible));
   best[0].assign(n + 1, 0.0);
-  const auto clearness = [&](std::size_t i) { return std::log1p(candidates[i].motion) - std::log1p(candidates[i].spread); };
+  const auto clearness = [&](std::size_t i) {
+    return std::log1p(candidates[i].motion) - std::log1p(candidates[i].spread);
+  };
   for (std::size_t k = 1; k <= count; ++k) {
     for (std::size_t i = k; i <= n; ++i) {
       best[k][i] = std::max(best[k][i - 1], best[k - 1][i - 1] + clearness(i - 1));
@@ -102,7 +106,8 @@ KeyPoses find_key_poses(const Take& clean, const std::vector<std::string>& poses
     if (pose != "neutral") wanted.push_back(pose);
   }
   const std::vector<Range> holds = find_holds(clean, options);
-  if (holds.empty()) throw InputError("take '" + clean.name + "': the face never rests; give the frames in training.json");
+  if (holds.empty())
+    throw InputError("take '" + clean.name + "': the face never rests; give the frames in training.json");
   const NeutralChoice neutral = choose_neutral(clean, holds, options.least_motion_mm);
   std::vector<Candidate> candidates;
   for (const Range& hold : holds) {
@@ -111,8 +116,9 @@ KeyPoses find_key_poses(const Take& clean, const std::vector<std::string>& poses
     if (motion >= options.least_motion_mm) candidates.push_back({hold, motion, spread_about(clean, hold, pose)});
   }
   if (candidates.size() < wanted.size()) {
-    throw InputError("take '" + clean.name + "': " + std::to_string(candidates.size()) + " rests away from neutral for " +
-                     std::to_string(wanted.size()) + " poses; give the frames in training.json");
+    throw InputError("take '" + clean.name + "': " + std::to_string(candidates.size()) +
+                     " rests away from neutral for " + std::to_string(wanted.size()) +
+                     " poses; give the frames in training.json");
   }
   KeyPoses result;
   result.labels = clean.labels;

@@ -1,13 +1,13 @@
 #include "mocap/local_frames.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -99,7 +99,8 @@ double leave_out_error(const Take& take, int reference) {
 }
 
 int sibling_of(const Take& take, int reference, const VirtualMarker& marker) {
-  if (take.find(marker.label) >= 0) throw InputError("take '" + take.name + "' already has a marker '" + marker.label + "'");
+  if (take.find(marker.label) >= 0)
+    throw InputError("take '" + take.name + "' already has a marker '" + marker.label + "'");
   if (!marker.sibling.empty()) {
     const int sibling = take.find(marker.sibling);
     if (sibling < 0) {
@@ -172,7 +173,8 @@ void add_virtual_markers(Filled& filled, int reference_frame, const std::vector<
       filled.expected_errors[i] = static_cast<float>(error);
     }
   }
-  filled.decisions.push_back("gaps: " + std::to_string(markers.size()) + " never-captured markers carried by local frames");
+  filled.decisions.push_back("gaps: " + std::to_string(markers.size()) +
+                             " never-captured markers carried by local frames");
 }
 
 }  // namespace vultus::mocap

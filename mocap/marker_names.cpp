@@ -26,7 +26,8 @@ std::vector<std::string> unique_names(std::vector<std::string> names, std::size_
     seen.insert(name);
     names[i] = name;
   }
-  if (invented > 0) decisions.push_back("names: " + std::to_string(invented) + " markers had none and are called point_N");
+  if (invented > 0)
+    decisions.push_back("names: " + std::to_string(invented) + " markers had none and are called point_N");
   return names;
 }
 

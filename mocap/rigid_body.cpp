@@ -1,10 +1,10 @@
 #include "mocap/rigid_body.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "mocap/statistics.h"
@@ -141,7 +141,8 @@ std::vector<int> columns_of(const Take& take, const std::vector<std::string>& la
 }
 
 Points observed_rows(const Take& take, int frame, const std::vector<int>& columns) {
-  Points rows = Points::Constant(static_cast<Eigen::Index>(columns.size()), 3, std::numeric_limits<double>::quiet_NaN());
+  Points rows =
+      Points::Constant(static_cast<Eigen::Index>(columns.size()), 3, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (columns[i] >= 0 && take.has(frame, columns[i])) {
       rows.row(static_cast<Eigen::Index>(i)) = take.at(frame, columns[i]).transpose();
@@ -158,12 +159,14 @@ RigidBody refine_body(const Take& take, const RigidBody& body, int reference_fra
     std::vector<Points> in_head(frames.size());
     tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
       const Points observed = observed_rows(take, frames[i], columns);
-      if (const auto pose = fit_body(result, observed)) in_head[i] = transformed(pose->world_from_head.inverse(), observed);
+      if (const auto pose = fit_body(result, observed))
+        in_head[i] = transformed(pose->world_from_head.inverse(), observed);
     });
     for (Eigen::Index row = 0; row < body.positions.rows(); ++row) settle_marker(in_head, row, result);
   }
   const Points anchor = observed_rows(take, reference_frame, columns);
-  if (const auto pose = fit_body(result, anchor)) result.positions = transformed(pose->world_from_head, result.positions);
+  if (const auto pose = fit_body(result, anchor))
+    result.positions = transformed(pose->world_from_head, result.positions);
   return result;
 }
 

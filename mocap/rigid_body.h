@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/mesh.h"
 #include "core/transform.h"
@@ -23,8 +22,8 @@ struct RigidBody {
 struct HeadPose {
   enum class Kind { measured, interpolated, none } kind = Kind::none;
   Similarity world_from_head;
-  double rms = 0.0;   ///< of the markers in use, mm
-  int markers = 0;    ///< in use
+  double rms = 0.0;  ///< of the markers in use, mm
+  int markers = 0;   ///< in use
 };
 
 /// Rigid motion world ← head from the rows of `observed` (body markers×3, NaN where missing): least squares weighted by

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -91,7 +90,8 @@ CleanReport parsed(const Json& json) {
     read_runs(marker.at("runs"), m, report);
     for (const Json& gap : marker.at("gaps")) {
       report.gaps.push_back({static_cast<int>(m), gap.at("first").get<int>(), gap.at("last").get<int>(),
-                             origin_named(gap.at("method").get<std::string>()), gap.at("expected_error_mm").get<double>()});
+                             origin_named(gap.at("method").get<std::string>()),
+                             gap.at("expected_error_mm").get<double>()});
     }
     for (const Json& spike : marker.at("spikes")) {
       report.spikes.push_back({static_cast<int>(m), spike.at("first").get<int>(), spike.at("last").get<int>(),
@@ -130,10 +130,11 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
                                {"spikes", Json::array()}});
   }
   for (const Gap& gap : report.gaps) {
-    json["markers"][static_cast<std::size_t>(gap.marker)]["gaps"].push_back({{"first", gap.first},
-                                                                             {"last", gap.last},
-                                                                             {"method", name_of(gap.method)},
-                                                                             {"expected_error_mm", rounded(gap.expected_error)}});
+    json["markers"][static_cast<std::size_t>(gap.marker)]["gaps"].push_back(
+        {{"first", gap.first},
+         {"last", gap.last},
+         {"method", name_of(gap.method)},
+         {"expected_error_mm", rounded(gap.expected_error)}});
   }
   for (const Spike& spike : report.spikes) {
     json["markers"][static_cast<std::size_t>(spike.marker)]["spikes"].push_back(

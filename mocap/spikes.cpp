@@ -1,11 +1,12 @@
 #include "mocap/spikes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "mocap/statistics.h"
@@ -15,6 +16,8 @@ namespace vultus::mocap {
 namespace {
 
 constexpr double kAboveSurroundings = 5.0;
+constexpr int kMostFrames = 12;  // of a spike, whatever the rate
+constexpr int kMostSamples = 2 * kMostFrames + 1;
 
 /// Component-wise median position and mean frame of up to `count` samples from `start` on in direction `step`, within
 /// `reach` frames.
@@ -26,19 +29,23 @@ struct Side {
 
 Side side(const Take& take, int marker, int start, int step, int count, int reach) {
   Side result;
-  std::vector<double> values[3];
+  std::array<std::array<float, kMostSamples>, 3> values;
   for (int i = 0; i < reach && result.samples < count; ++i) {
     const int f = start + i * step;
     if (f < 0 || f >= take.frames()) break;
     if (!take.has(f, marker)) continue;
-    const Eigen::Vector3d p = take.at(f, marker);
-    for (int c = 0; c < 3; ++c) values[c].push_back(p[c]);
+    const float* p = take.positions.data() + 3 * take.index(f, marker);
+    const auto n = static_cast<std::size_t>(result.samples++);
+    for (std::size_t c = 0; c < 3; ++c) values[c][n] = p[c];
     result.frame += f;
-    ++result.samples;
   }
   if (result.samples == 0) return result;
   result.frame /= result.samples;
-  for (int c = 0; c < 3; ++c) result.position[c] = median(values[c]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto middle = values[c].begin() + result.samples / 2;
+    std::nth_element(values[c].begin(), middle, values[c].begin() + result.samples);
+    result.position[static_cast<Eigen::Index>(c)] = *middle;
+  }
   return result;
 }
 
@@ -53,45 +60,85 @@ std::optional<double> jump(const Take& take, int marker, int frame, int skip, in
   return ((1.0 - t) * before.position + t * after.position - take.at(frame, marker)).norm();
 }
 
-/// The 80 % quantile of the jumps within a dozen frames on both sides of a stretch, its close neighbours left out:
-/// they see the spike among their own neighbours.
-double surroundings(const std::vector<double>& jumps, int first, int last, int close) {
-  constexpr int reach = 12;
-  std::vector<double> around;
-  for (int i = close + 1; i <= close + reach; ++i) {
-    if (first - i >= 0) around.push_back(jumps[static_cast<std::size_t>(first - i)]);
-    if (last + i < static_cast<int>(jumps.size())) around.push_back(jumps[static_cast<std::size_t>(last + i)]);
+/// The marker's jumps, computed where they are asked for. The least over the possible lengths of a spike counts:
+/// neighbours that are part of it must not hide or spread it.
+class Jumps {
+ public:
+  Jumps(const Take& take, int marker, int longest)
+      : take_(take), marker_(marker), longest_(longest), known_(static_cast<std::size_t>(take.frames()), -1.0F) {}
+
+  /// 0 for missing samples and where one side is empty.
+  double at(int frame) {
+    if (frame < 0 || frame >= take_.frames() || !take_.has(frame, marker_)) return 0.0;
+    float& known = known_[static_cast<std::size_t>(frame)];
+    if (known < 0.0F) known = static_cast<float>(least(frame));
+    return known;
   }
-  return around.empty() ? 0.0 : quantile(std::move(around), 0.8);
+
+  /// Cheap and hardly ever below `at`: the distance from the middle of the two samples just beside the spike.
+  double rough(int frame) const {
+    double largest = 0.0;
+    for (int reach = 1; reach <= longest_; ++reach) {
+      if (frame < reach || frame + reach >= take_.frames()) break;
+      if (!take_.has(frame - reach, marker_) || !take_.has(frame + reach, marker_)) return kUnknown;
+      const Eigen::Vector3d middle = 0.5 * (take_.at(frame - reach, marker_) + take_.at(frame + reach, marker_));
+      largest = std::max(largest, (middle - take_.at(frame, marker_)).norm());
+    }
+    return largest;
+  }
+
+  /// The 80 % quantile within a dozen frames on both sides of a stretch, its close neighbours left out: they see the
+  /// spike among their own neighbours.
+  double around(int first, int last) {
+    constexpr int reach = 12;
+    std::vector<double> values;
+    for (int i = longest_ + 1; i <= longest_ + reach; ++i) {
+      values.push_back(at(first - i));
+      values.push_back(at(last + i));
+    }
+    return quantile(std::move(values), 0.8);
+  }
+
+ private:
+  static constexpr double kUnknown = 1e9;
+
+  double least(int frame) const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int skip = 0; skip < longest_; ++skip) {
+      if (const auto distance = jump(take_, marker_, frame, skip, longest_)) smallest = std::min(smallest, *distance);
+    }
+    return std::isfinite(smallest) ? smallest : 0.0;
+  }
+
+  const Take& take_;
+  int marker_, longest_;
+  std::vector<float> known_;
+};
+
+/// Median jump over frames spread through the take; negative where there are too few to say what is usual.
+double usual_jump(const Take& take, int marker, Jumps& jumps) {
+  const int step = std::max(1, take.frames() / 2000);
+  std::vector<double> seen;
+  for (int f = 0; f < take.frames(); f += step) {
+    if (take.has(f, marker)) seen.push_back(jumps.at(f));
+  }
+  return seen.size() < 8 ? -1.0 : median(std::move(seen));
 }
 
 std::vector<Spike> marker_spikes(const Take& take, int marker, const SpikeOptions& options) {
-  const int longest = std::max(1, static_cast<int>(std::floor(options.longest_seconds * take.rate_hz + 1e-9)));
-  std::vector<double> jumps(static_cast<std::size_t>(take.frames()), 0.0), seen;
-  for (int f = 0; f < take.frames(); ++f) {
-    if (!take.has(f, marker)) continue;
-    // The least over the possible lengths: neighbours that are part of the spike must not hide or spread it.
-    double least = std::numeric_limits<double>::infinity();
-    for (int skip = 0; skip < longest; ++skip) {
-      if (const auto distance = jump(take, marker, f, skip, longest)) least = std::min(least, *distance);
-    }
-    if (!std::isfinite(least)) continue;
-    jumps[static_cast<std::size_t>(f)] = least;
-    seen.push_back(least);
-  }
-  if (seen.size() < 8) return {};
-  const double usual = std::max(options.least_mm, options.factor * median(seen));
+  const int longest =
+      std::clamp(static_cast<int>(std::floor(options.longest_seconds * take.rate_hz + 1e-9)), 1, kMostFrames);
+  Jumps jumps(take, marker, longest);
+  const double usual = usual_jump(take, marker, jumps), limit = std::max(options.least_mm, options.factor * usual);
   std::vector<Spike> spikes;
-  for (int f = 0; f < take.frames(); ++f) {
-    if (jumps[static_cast<std::size_t>(f)] <= usual) continue;
+  for (int f = 0; usual >= 0.0 && f < take.frames(); ++f) {
+    if (!take.has(f, marker) || jumps.rough(f) <= 0.5 * limit || jumps.at(f) <= limit) continue;
     int last = f;
     double size = 0.0;
-    while (last < take.frames() && jumps[static_cast<std::size_t>(last)] > usual) {
-      size = std::max(size, jumps[static_cast<std::size_t>(last++)]);
-    }
+    while (jumps.at(last) > limit) size = std::max(size, jumps.at(last++));
     // A long one is fast motion, and so is one among others that nearly reach its size.
-    const bool apart = size > kAboveSurroundings * surroundings(jumps, f, last - 1, longest);
-    if (last - f <= longest && apart) spikes.push_back({marker, f, last - 1, size});
+    const bool apart = last - f <= longest && size > kAboveSurroundings * jumps.around(f, last - 1);
+    if (apart) spikes.push_back({marker, f, last - 1, size});
     f = last;
   }
   return spikes;

@@ -1,12 +1,12 @@
 #include "mocap/stabilize.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -49,8 +49,8 @@ RigidBody jig_body(const Take& take, const std::vector<std::string>& labels, int
                  Eigen::VectorXd::Constant(static_cast<Eigen::Index>(labels.size()), kStartDeviation)};
   const auto seen = body.positions.rowwise().sum().array().isFinite().count();
   if (seen < 3) {
-    throw InputError("take '" + take.name + "': only " + std::to_string(seen) + " of the jig's markers are seen in frame " +
-                     std::to_string(reference) + "; 3 are needed");
+    throw InputError("take '" + take.name + "': only " + std::to_string(seen) +
+                     " of the jig's markers are seen in frame " + std::to_string(reference) + "; 3 are needed");
   }
   std::vector<int> frames = sampled_frames(take, 1000);
   return refine_body(take, body, reference, frames);
@@ -224,7 +224,8 @@ std::vector<std::string> jig_labels(const std::vector<std::string>& labels) {
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto starts = [&](const char* stem) { return name.starts_with(stem); };
     const bool head_band = name == "lfhd" || name == "rfhd" || name == "lbhd" || name == "rbhd";
-    if (head_band || name.find("jig") != std::string::npos || starts("headband") || starts("helmet") || starts("hat_")) {
+    if (head_band || name.find("jig") != std::string::npos || starts("headband") || starts("helmet") ||
+        starts("hat_")) {
       jig.push_back(label);
     }
   }

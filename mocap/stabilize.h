@@ -28,12 +28,12 @@ struct StabilizeOptions {
 
 /// A take in head coordinates.
 struct Stabilized {
-  Take take;                         ///< without the jig's markers; frames without a pose are missing throughout
-  RigidBody body;                    ///< markers that stand for the head, in head coordinates
-  std::vector<HeadPose> poses;       ///< one a frame
+  Take take;                    ///< without the jig's markers; frames without a pose are missing throughout
+  RigidBody body;               ///< markers that stand for the head, in head coordinates
+  std::vector<HeadPose> poses;  ///< one a frame
   HeadMethod method = HeadMethod::jig;
   int reference_frame = 0;
-  double rms = 0.0;                  ///< over the measured frames, mm
+  double rms = 0.0;  ///< over the measured frames, mm
   std::vector<std::string> decisions;
 };
 

@@ -1,11 +1,11 @@
 #include "mocap/steady_markers.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -93,7 +93,8 @@ double unrest(std::vector<double> deviations) {
   return sum / static_cast<double>(half);
 }
 
-RigidBody body_of(const Take& take, const std::vector<int>& markers, int reference, const std::vector<double>& strays_mm) {
+RigidBody body_of(const Take& take, const std::vector<int>& markers, int reference,
+                  const std::vector<double>& strays_mm) {
   RigidBody body;
   const auto n = static_cast<Eigen::Index>(markers.size());
   body.positions.resize(n, 3);

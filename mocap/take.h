@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/mesh.h"
 
@@ -24,15 +23,15 @@ struct Event {
 struct Take {
   std::string name;
   double rate_hz = 0.0;
-  std::vector<std::string> labels;          ///< marker names, unique
-  std::vector<float> positions;             ///< frames × markers × 3, mm, +y up
-  std::vector<std::uint8_t> present;        ///< frames × markers
-  std::vector<float> residuals;             ///< frames × markers, mm; empty when the file has none
-  std::vector<std::uint8_t> cameras;        ///< frames × markers, bit i: seen by camera i+1; empty when the file has none
-  float residual_step = 0.0F;               ///< mm per unit of a C3D residual; 0 when the file has none
-  int first_frame = 1;                      ///< the file's own number of frame 0
+  std::vector<std::string> labels;    ///< marker names, unique
+  std::vector<float> positions;       ///< frames × markers × 3, mm, +y up
+  std::vector<std::uint8_t> present;  ///< frames × markers
+  std::vector<float> residuals;       ///< frames × markers, mm; empty when the file has none
+  std::vector<std::uint8_t> cameras;  ///< frames × markers, bit i: seen by camera i+1; empty when the file has none
+  float residual_step = 0.0F;         ///< mm per unit of a C3D residual; 0 when the file has none
+  int first_frame = 1;                ///< the file's own number of frame 0
   std::vector<Event> events;
-  std::vector<std::string> decisions;       ///< what reading decided (units, axes), for the report
+  std::vector<std::string> decisions;  ///< what reading decided (units, axes), for the report
 
   int markers() const { return static_cast<int>(labels.size()); }
   int frames() const { return labels.empty() ? 0 : static_cast<int>(present.size() / labels.size()); }

@@ -72,8 +72,9 @@ bool read_row(const std::filesystem::path& file, std::size_t line_number, std::s
     if (column < 2) continue;
     const Cell cell = cell_value(text);
     if (cell.kind == Cell::malformed) {
-      throw InputError(file, at_line(line_number), "column " + std::to_string(column + 1) + ": '" +
-                                                       trimmed(text.substr(0, 40)) + "' is not a number");
+      throw InputError(
+          file, at_line(line_number),
+          "column " + std::to_string(column + 1) + ": '" + trimmed(text.substr(0, 40)) + "' is not a number");
     }
     if (cell.kind == Cell::missing) here[(column - 2) / 3] = 0;
     row[column - 2] = static_cast<float>(cell.value);
@@ -91,7 +92,8 @@ void drop_origin(Take& take) {
     }
     if (take.present[i] == 0) std::fill(p, p + 3, 0.0F);
   }
-  if (dropped > 0) take.decisions.push_back("samples: " + std::to_string(dropped) + " at exactly (0, 0, 0) taken as missing");
+  if (dropped > 0)
+    take.decisions.push_back("samples: " + std::to_string(dropped) + " at exactly (0, 0, 0) taken as missing");
 }
 
 void append(std::string& text, float value) {
@@ -110,8 +112,9 @@ Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
   if (header.markers == 0) throw InputError(file, at_line(2), "the file holds no markers");
   // Even a missing marker needs its three tabs in the line of names.
   if (header.markers > lines[3].size()) {
-    throw InputError(file, at_line(2), std::to_string(header.markers) + " markers are stated, but line 4 names " +
-                                           std::to_string(header.names.size()));
+    throw InputError(file, at_line(2),
+                     std::to_string(header.markers) + " markers are stated, but line 4 names " +
+                         std::to_string(header.names.size()));
   }
   Take take;
   take.name = file.stem().string();
@@ -123,11 +126,13 @@ Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
   }
   const auto frames = static_cast<std::size_t>(take.frames());
   if (frames < header.frames || frames == 0) {
-    throw InputError(file, at_line(lines.size()), "the file ends after " + std::to_string(frames) + " of " +
-                                                      std::to_string(header.frames) + " frames");
+    throw InputError(
+        file, at_line(lines.size()),
+        "the file ends after " + std::to_string(frames) + " of " + std::to_string(header.frames) + " frames");
   }
   if (frames > header.frames) {
-    take.decisions.push_back("frames: " + std::to_string(frames) + " rows, not the stated " + std::to_string(header.frames));
+    take.decisions.push_back("frames: " + std::to_string(frames) + " rows, not the stated " +
+                             std::to_string(header.frames));
   }
   drop_origin(take);
   to_our_frame(take, {header.unit, "", ""}, options);

@@ -1,14 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
-
-#include <Eigen/Geometry>
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/random.h"
 #include "mocap/take.h"

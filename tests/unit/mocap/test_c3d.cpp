@@ -103,8 +103,10 @@ std::string tiny(char processor, bool real) {
   const std::size_t data = 3 * 512, size = real ? 4 : 2;
   const float values[] = {3.0F, -2.0F, 7.5F, 5 * 256 + 3.0F, 1.0F, 1.0F, 1.0F, -1.0F};
   for (std::size_t i = 0; i < 8; ++i) {
-    if (real) number(data + size * i, values[i]);
-    else word(data + size * i, static_cast<int>(i % 4 < 3 ? values[i] / 0.5F : values[i]));
+    if (real)
+      number(data + size * i, values[i]);
+    else
+      word(data + size * i, static_cast<int>(i % 4 < 3 ? values[i] / 0.5F : values[i]));
   }
   return bytes;
 }

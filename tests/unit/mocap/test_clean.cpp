@@ -13,10 +13,12 @@ class Clean : public InFolder {};
 
 /// Displacements of pose `k` (1…): a smooth field of its own.
 Eigen::Vector3d pose_offset(int k, const Eigen::Vector3d& p) {
-  return 6.0 * Eigen::Vector3d(std::sin(0.03 * k * p.y() + k), std::cos(0.02 * p.x() * k), 0.5 * std::sin(0.05 * p.x() + k));
+  return 6.0 *
+         Eigen::Vector3d(std::sin(0.03 * k * p.y() + k), std::cos(0.02 * p.x() * k), 0.5 * std::sin(0.05 * p.x() + k));
 }
 
-/// A training take in head coordinates: rest 0.6 s, then pose 1 held 0.5 s, rest, pose 2 held, … moves of 0.3 s between.
+/// A training take in head coordinates: rest 0.6 s, then pose 1 held 0.5 s, rest, pose 2 held, … moves of 0.3 s
+/// between.
 Take training_take(int poses, double noise) {
   const Points face = face_markers(20);
   const auto phase = [](int f) {  // which pose and how much of it
@@ -42,7 +44,8 @@ void expect_pose(const KeyPoses& keys, std::size_t index, int k, double toleranc
   for (int m = 0; m < 20; ++m) {
     const Eigen::Vector3d p = face.row(m);
     const Eigen::Vector3d truth = k == 0 ? p : Eigen::Vector3d(p + pose_offset(k, p));
-    EXPECT_LT((Eigen::Vector3d(keys.positions[index].row(m)) - truth).norm(), tolerance) << keys.poses[index] << " " << m;
+    EXPECT_LT((Eigen::Vector3d(keys.positions[index].row(m)) - truth).norm(), tolerance)
+        << keys.poses[index] << " " << m;
   }
 }
 
@@ -50,8 +53,9 @@ TEST_F(Clean, KeyPosesByHand) {
   Take take = training_take(3, 0.1);
   take.set(120, 5, {500, 500, 500});  // one wild sample in a hold must not matter
   for (int f = 490; f <= 530; ++f) take.drop(f, 7);
-  const auto list = write("training.json",
-                          R"({"take": "training", "poses": {"smile": [100, 150], "frown": 320, "neutral": [5, 50], "kiss": [490, 530]}})");
+  const auto list = write(
+      "training.json",
+      R"({"take": "training", "poses": {"smile": [100, 150], "frown": 320, "neutral": [5, 50], "kiss": [490, 530]}})");
   const KeyPoses keys = key_poses(take, list);
   EXPECT_EQ(keys.poses, (std::vector<std::string>{"neutral", "frown", "kiss", "smile"}));
   expect_pose(keys, 0, 0, 0.15);  // 0.1 mm noise over some 25 frames
@@ -79,8 +83,9 @@ TEST_F(Clean, KeyPosesFoundAutomatically) {
 
 TEST_F(Clean, TrainingListIsChecked) {
   const Take take = training_take(1, 0.0);
-  for (const char* text : {"[]", "{}", R"({"poses": {}})", R"({"poses": {"a": "x"}})", R"({"poses": {"a": [9, 3]}})",
-                           R"({"poses": {"a": 99999}})", R"({"poses": {"a": -1}})", R"({"poses": {"a": [1, 2, 3]}})", "{"}) {
+  for (const char* text :
+       {"[]", "{}", R"({"poses": {}})", R"({"poses": {"a": "x"}})", R"({"poses": {"a": [9, 3]}})",
+        R"({"poses": {"a": 99999}})", R"({"poses": {"a": -1}})", R"({"poses": {"a": [1, 2, 3]}})", "{"}) {
     EXPECT_THROW(key_poses(take, write("bad.json", text)), InputError) << text;
   }
 }

@@ -87,8 +87,8 @@ TEST(Gaps, RigidGroupNeedsThreeNeighbours) {
 TEST(Gaps, ShortBySplineLongByGroupAndTheRestStaysHoles) {
   Take take = rocking(600, 0.02);
   const Take truth = take;
-  hide(take, 2, 100, 115);                            // 0.13 s
-  hide(take, 5, 200, 320);                            // 1 s
+  hide(take, 2, 100, 115);                               // 0.13 s
+  hide(take, 5, 200, 320);                               // 1 s
   for (int m = 0; m < 30; ++m) hide(take, m, 500, 560);  // nobody is there
   const Filled filled = fill_gaps(take);
   EXPECT_EQ(filled.origins[take.index(107, 2)], Origin::spline);
@@ -145,7 +145,9 @@ TEST(Gaps, NeverCapturedMarkerStaysAHoleUnlessCarriedByItsSibling) {
   const Eigen::Vector3d offset(2.0, 5.0, -2.0);
   add_virtual_markers(filled, 10, {{"inner", truth.at(10, lip) + offset, take.labels[static_cast<std::size_t>(lip)]}});
   ASSERT_EQ(filled.take.find("inner"), 30);
-  const auto turn = [](int f) { return Eigen::AngleAxisd(0.2 * std::sin(5.0 * f / 120.0 + 1.0), Eigen::Vector3d::UnitX()); };
+  const auto turn = [](int f) {
+    return Eigen::AngleAxisd(0.2 * std::sin(5.0 * f / 120.0 + 1.0), Eigen::Vector3d::UnitX());
+  };
   for (int f = 0; f < 200; ++f) {
     ASSERT_TRUE(filled.take.has(f, 30));
     const Eigen::Vector3d expected = truth.at(f, lip) + turn(f) * (turn(10).inverse() * offset);

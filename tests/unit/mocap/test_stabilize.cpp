@@ -55,7 +55,8 @@ Scene moving_head(int frames, double noise, bool with_jig, std::uint64_t seed = 
 /// RMS over frames of how the recovered poses differ from the true ones, felt 100 mm from the jig, both relative to the
 /// reference frame.
 double pose_error(const Stabilized& result, const Eigen::Vector3d& probe) {
-  const Similarity head_from_true = result.poses[result.reference_frame].world_from_head.inverse() * head_motion(result.reference_frame);
+  const Similarity head_from_true =
+      result.poses[result.reference_frame].world_from_head.inverse() * head_motion(result.reference_frame);
   double sum = 0.0;
   int n = 0;
   for (std::size_t f = 0; f < result.poses.size(); ++f) {

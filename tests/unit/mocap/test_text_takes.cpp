@@ -70,7 +70,8 @@ TEST_F(TextTakes, TrcWrittenReadsBackBitForBit) {
   EXPECT_EQ(read.present, take.present);
   EXPECT_DOUBLE_EQ(read.rate_hz, take.rate_hz);
   for (std::size_t i = 0; i < take.present.size(); ++i) {
-    for (std::size_t c = 0; c < 3 && take.present[i] != 0; ++c) ASSERT_EQ(read.positions[3 * i + c], take.positions[3 * i + c]);
+    for (std::size_t c = 0; c < 3 && take.present[i] != 0; ++c)
+      ASSERT_EQ(read.positions[3 * i + c], take.positions[3 * i + c]);
   }
 }
 
@@ -81,7 +82,8 @@ TEST_F(TextTakes, PlainTableWithSemicolonsNaAndDecimalCommas) {
   const Take take = read_csv(write("s.csv",
                                    "Frame;A_x;A_y;A_z;note;B_x;B_y;B_z\n"
                                    "1;1,5;2;3;hello;NA;NA;NA\n"
-                                   "2;1.5;2;NA;;7;8;9\n"), options);
+                                   "2;1.5;2;NA;;7;8;9\n"),
+                             options);
   EXPECT_EQ(take.labels, (std::vector<std::string>{"A", "B"}));
   EXPECT_DOUBLE_EQ(take.rate_hz, 25.0);
   EXPECT_EQ(take.at(0, 0), Eigen::Vector3d(15, 20, 30));
@@ -91,22 +93,24 @@ TEST_F(TextTakes, PlainTableWithSemicolonsNaAndDecimalCommas) {
 }
 
 TEST_F(TextTakes, PlainTableTakesItsRateFromTheTimes) {
-  const Take take = read_csv(write("t.csv", "frame,time,a_x,a_y,a_z\n1,0,100,2,3\n2,0.0083,100,2,3\n3,0.0167,100,2,3\n"));
+  const Take take =
+      read_csv(write("t.csv", "frame,time,a_x,a_y,a_z\n1,0,100,2,3\n2,0.0083,100,2,3\n3,0.0167,100,2,3\n"));
   EXPECT_DOUBLE_EQ(take.rate_hz, 120.0);
 }
 
 TEST_F(TextTakes, MotiveExport) {
-  const Take take = read_csv(write(
-      "motive.csv",
-      "Format Version,1.23,Take Name,\"take, one\",Capture Frame Rate,240.0,Export Frame Rate,120.0,Length Units,Meters\n"
-      "\n"
-      ",Type,Rigid Body,Rigid Body,Rigid Body,Marker,Marker,Marker,Marker,Marker,Marker\n"
-      ",Name,hat,hat,hat,Face:brow,Face:brow,Face:brow,Face:chin,Face:chin,Face:chin\n"
-      ",ID,1,1,1,2,2,2,3,3,3\n"
-      ",,Rotation,Rotation,Rotation,Position,Position,Position,Position,Position,Position\n"
-      "Frame,Time (Seconds),X,Y,Z,X,Y,Z,X,Y,Z\n"
-      "0,0.000,0,0,0,0.1,0.2,0.3,0.4,0.5,0.6\n"
-      "1,0.008,0,0,0,,,,0.4,0.5,0.7\n"));
+  const Take take =
+      read_csv(write("motive.csv",
+                     "Format Version,1.23,Take Name,\"take, one\",Capture Frame Rate,240.0,Export Frame "
+                     "Rate,120.0,Length Units,Meters\n"
+                     "\n"
+                     ",Type,Rigid Body,Rigid Body,Rigid Body,Marker,Marker,Marker,Marker,Marker,Marker\n"
+                     ",Name,hat,hat,hat,Face:brow,Face:brow,Face:brow,Face:chin,Face:chin,Face:chin\n"
+                     ",ID,1,1,1,2,2,2,3,3,3\n"
+                     ",,Rotation,Rotation,Rotation,Position,Position,Position,Position,Position,Position\n"
+                     "Frame,Time (Seconds),X,Y,Z,X,Y,Z,X,Y,Z\n"
+                     "0,0.000,0,0,0,0.1,0.2,0.3,0.4,0.5,0.6\n"
+                     "1,0.008,0,0,0,,,,0.4,0.5,0.7\n"));
   EXPECT_EQ(take.labels, (std::vector<std::string>{"brow", "chin"}));
   EXPECT_DOUBLE_EQ(take.rate_hz, 120.0);
   EXPECT_TRUE(take.at(0, 0).isApprox(Eigen::Vector3d(100, 200, 300), 1e-6));
@@ -146,7 +150,9 @@ TEST_F(TextTakes, DamagedTextNeverCrashes) {
       "Frame,Time,X,Y,Z\n0,0,1,2,3\n";
   const std::string vicon = "Trajectories\n100\n,,a,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n";
   Random random(31);
-  for (const auto& [name, whole] : {std::pair<std::string, std::string>{"t.trc", kTrc}, {"m.csv", motive}, {"v.csv", vicon},
+  for (const auto& [name, whole] : {std::pair<std::string, std::string>{"t.trc", kTrc},
+                                    {"m.csv", motive},
+                                    {"v.csv", vicon},
                                     {"p.csv", "time,a_x,a_y,a_z\n0,1,2,3\n1,4,5,6\n"}}) {
     for (int round = 0; round < 600; ++round) {
       std::string text = whole.substr(0, static_cast<std::size_t>(random.below(static_cast<int>(whole.size()) + 1)));
