@@ -11,16 +11,31 @@ namespace {
 
 using Weights = std::vector<std::map<int, double>>;
 
-Weights uniform_weights(const Disc& disc) {
+/// Half of the angle's tangent at corner a of triangle abc, of the mean value coordinates.
+double half_tangent(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d u = (b - a).normalized(), v = (c - a).normalized();
+  return u.cross(v).norm() / (1.0 + u.dot(v));
+}
+
+/// Mean value weights (Floater 2003), positive on any mesh; a hole's virtual vertex counts as much as a mean neighbour.
+Weights mean_value_weights(const Disc& disc) {
   const int n = static_cast<int>(disc.positions.rows()), holes = static_cast<int>(disc.holes.size());
   Weights weights(n + holes);
   for (const auto& t : disc.triangles)
     for (int k = 0; k < 3; ++k) {
-      weights[t[k]][t[(k + 1) % 3]] = 1.0;
-      weights[t[(k + 1) % 3]][t[k]] = 1.0;
+      const int a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+      const Eigen::Vector3d p = disc.positions.row(a), q = disc.positions.row(b), r = disc.positions.row(c);
+      const double tangent = half_tangent(p, q, r);
+      weights[a][b] += tangent / (q - p).norm();
+      weights[a][c] += tangent / (r - p).norm();
     }
   for (int h = 0; h < holes; ++h)
-    for (const int v : disc.holes[h]) weights[v][n + h] = weights[n + h][v] = 1.0;
+    for (const int v : disc.holes[h]) {
+      double mean = 0.0;
+      for (const auto& [w, weight] : weights[v]) mean += weight / static_cast<double>(weights[v].size());
+      weights[v][n + h] = mean;
+      weights[n + h][v] = 1.0;
+    }
   return weights;
 }
 
@@ -61,7 +76,7 @@ double stretch(const Disc& disc, const Uvs& uv, int t) {
 }  // namespace
 
 Uvs convex_map(const Disc& disc, int rounds) {
-  Weights weights = uniform_weights(disc);
+  Weights weights = mean_value_weights(disc);
   Uvs uv = solve(disc, weights);
   const int n = static_cast<int>(disc.positions.rows());
   for (int round = 0; round < rounds; ++round) {

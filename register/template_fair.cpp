@@ -83,7 +83,10 @@ Points loop_limit(const Weave& whole, const Points& control) {
 
 Points loop_controls(const Weave& whole, const Points& target, int rounds) {
   Points control = target;
-  for (int i = 0; i < rounds; ++i) control += target - loop_limit(whole, control);
+  for (int i = 0; i < rounds; ++i) {
+    const Points step = target - loop_limit(whole, control);
+    for (int v = 0; v < control.rows(); ++v) control.row(v) += whole.set_back[v] * step.row(v);
+  }
   symmetrize(whole, control);
   return control;
 }

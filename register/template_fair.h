@@ -9,7 +9,7 @@ namespace vultus::registration::layout {
 /// uniform umbrella operator. n×3, mm; mirror symmetric to the last bit.
 Points faired(const Weave& whole);
 
-/// Control positions whose Loop limit comes near `target`: `rounds` steps of p += target − limit(p).
+/// Control positions whose Loop limit comes near `target`: `rounds` steps of p += set_back·(target − limit(p)).
 Points loop_controls(const Weave& whole, const Points& target, int rounds);
 
 /// Loop limit positions of the control vertices (Loop 1987; boundary vertices by the cubic B-spline rule).

@@ -123,7 +123,7 @@ Template make_template_head() {
   const Weave& w = head();
   Template result;
   result.name = "vultus-head";
-  result.neutral = layout::loop_controls(w, layout::faired(w), 1);
+  result.neutral = layout::loop_controls(w, layout::faired(w), 2);
   const layout::TextureLayout texture = layout::texture_layout(w, result.neutral);
   TopologyData data;
   data.vertex_count = static_cast<int>(w.position.size());

@@ -16,14 +16,15 @@ class Weaver {
  public:
   Weave weave;
 
-  int add(const Eigen::Vector3d& p, double hold) {
+  int add(const Eigen::Vector3d& p, double hold, double set_back = 1.0) {
     weave.position.push_back(p);
     weave.hold.push_back(hold);
+    weave.set_back.push_back(set_back);
     return static_cast<int>(weave.position.size()) - 1;
   }
-  Ring add(const Curve& curve, double hold) {
+  Ring add(const Curve& curve, double hold, double set_back = 1.0) {
     Ring ring;
-    for (const auto& p : curve) ring.push_back(add(p, hold));
+    for (const auto& p : curve) ring.push_back(add(p, hold, set_back));
     return ring;
   }
   void triangle(int a, int b, int c) {
@@ -68,16 +69,18 @@ Ring reversed(Ring ring) {
 void weave_eye(Weaver& w) {
   static const double hold[] = {50, 50, 50, 20, 20, 2, 2};
   for (int r = 0; r < 7; ++r) w.weave.eye[r] = w.add(shape::eye_ring(r), hold[r]);
+  for (int i = 9; i <= 14; ++i) w.weave.hold[w.weave.eye[6][i]] = 0.2;  // no bag where the cheek's rows end
   for (int r = 0; r < 6; ++r) w.closed_strip(w.weave.eye[r], w.weave.eye[r + 1]);
 }
 
 void weave_mouth(Weaver& w) {
   static const double hold[] = {20, 50, 50, 50, 20, 20, 10, 5, 5};
+  static const double set_back[] = {0, 0, 0.2, 0.2, 1, 1, 1, 1, 1};  // no crossing of lips in the control mesh
   auto& mouth = w.weave.mouth;
-  for (int r = 0; r < 9; ++r) mouth[r] = w.add(shape::mouth_ring(r), hold[r]);
+  for (int r = 0; r < 9; ++r) mouth[r] = w.add(shape::mouth_ring(r), hold[r], set_back[r]);
   Curve back = shape::mouth_ring(0);
   for (auto& p : back) p = Eigen::Vector3d(0.75 * p.x(), -66.5 + 0.8 * (p.y() + 66.5), 0.25 * p.z() - 14.0);
-  w.weave.mouth_back = w.add(back, 20);
+  w.weave.mouth_back = w.add(back, 20, 0);
   for (int r = 1; r < 8; ++r) w.strip(mouth[r], mouth[r + 1]);
   w.patch(Patch::mouth_cavity);
   w.strip(mouth[0], mouth[1]);
@@ -136,7 +139,8 @@ void weave_face(Weaver& w) {
   Curve between;
   for (int i = 0; i < shape::face_count; ++i)
     between.push_back(shape::through({{0, w.weave.position[face[0][i]]}, {2, middle[i]}, {4, outline[i]}}, 5)[3]);
-  face[1] = w.add(shape::face_ring(0), 1);
+  face[1] = w.add(shape::face_ring(0), 3);
+  for (int i = 10; i <= 14; ++i) w.weave.hold[face[1][i]] = 0.6;
   face[2] = w.add(middle, 1);
   face[3] = w.add(between, 0.05);
   face[4] = w.add(outline, 2);
@@ -203,7 +207,7 @@ void weave_teeth(Weaver& w) {
   for (const bool upper : {true, false}) {
     auto& rows = upper ? w.weave.teeth_upper : w.weave.teeth_lower;
     w.patch(upper ? Patch::teeth_upper : Patch::teeth_lower);
-    for (int r = 0; r < 4; ++r) rows[r] = w.add(shape::tooth_row(upper, r), 1e3);
+    for (int r = 0; r < 4; ++r) rows[r] = w.add(shape::tooth_row(upper, r), 1e3, 0);
     for (int r = 0; r < 3; ++r) w.strip(rows[r], rows[r + 1]);
   }
 }
@@ -238,6 +242,7 @@ Weave mirrored(const Weave& left) {
     whole.mirror.push_back(v);
     whole.position.push_back(left.position[v].cwiseProduct(Eigen::Vector3d(-1, 1, 1)));
     whole.hold.push_back(left.hold[v]);
+    whole.set_back.push_back(left.set_back[v]);
   }
   for (std::size_t t = 0; t < left.triangles.size(); ++t) {
     const auto& [a, b, c] = left.triangles[t];

@@ -19,6 +19,7 @@ enum class Patch { skin, mouth_cavity, eyeball_front, eyeball_back, teeth_upper,
 struct Weave {
   std::vector<Eigen::Vector3d> position;        ///< as placed by hand, before fairing, mm
   std::vector<double> hold;                     ///< how firmly fairing keeps a vertex in place (0 free)
+  std::vector<double> set_back;                 ///< share of Loop's shrinking that `loop_controls` undoes there, 0 … 1
   std::vector<std::array<int, 3>> triangles;    ///< counter-clockwise seen from outside
   std::vector<Patch> patch;                     ///< of each triangle
   std::vector<int> mirror;                      ///< vertex on the other side; itself on the midline

@@ -215,7 +215,7 @@ void add_teeth(const Weave& w, bool upper, const Corner& low, const Corner& high
 TextureLayout texture_layout(const Weave& whole, const Points& positions) {
   Sheet sheet(whole.triangles.size());
   const CutSkin skin = cut_skin(whole, positions);
-  add_disc(skin.disc, skin.triangle, 10, sheet);
+  add_disc(skin.disc, skin.triangle, 4, sheet);
   for (const int side : {0, 1}) {
     const Ring rim = side == 0 ? whole.eyeball[4] : mirrored_ring(whole, whole.eyeball[4]);
     const double u = side == 0 ? 0.27 : 0.10;
