@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "rig/feature_points.h"
 #include "rig/geodesic.h"
 
 namespace vultus::rig {
@@ -147,14 +148,8 @@ void lay_out_ict_uvs(TopologyData& data) {
 }
 
 std::vector<registration::Landmark> mpeg4_landmarks(const registration::Ibug68& ibug68) {
-  static const std::vector<std::pair<int, const char*>> names = {
-      {8, "2.1"},   {17, "4.6"},  {19, "4.4"},  {21, "4.2"},  {22, "4.1"},  {24, "4.3"},  {26, "4.5"},
-      {30, "9.3"},  {31, "9.2"},  {33, "9.15"}, {35, "9.1"},  {36, "3.12"}, {39, "3.8"},  {42, "3.11"},
-      {45, "3.7"},  {48, "8.4"},  {50, "8.9"},  {51, "8.1"},  {52, "8.10"}, {54, "8.3"},  {57, "8.2"},
-      {60, "2.5"},  {61, "2.7"},  {62, "2.2"},  {63, "2.6"},  {64, "2.4"},  {65, "2.8"},  {66, "2.3"},
-      {67, "2.9"}};
   std::vector<registration::Landmark> landmarks;
-  for (const auto& [point, name] : names)
+  for (const auto& [point, name] : mpeg4_names())
     if (ibug68[point] >= 0) landmarks.push_back({name, ibug68[point], false});
   return landmarks;
 }

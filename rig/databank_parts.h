@@ -18,7 +18,7 @@ VertexSets ict_vertex_sets(const Topology& topology, const Points& positions, co
 /// UVs with each part's tile in a place of its own.
 void lay_out_ict_uvs(TopologyData& data);
 
-/// MPEG-4 feature points at the 68-point scheme's vertices (ISO/IEC 14496-2 annex C numbers).
+/// MPEG-4 feature points at the 68-point scheme's vertices.
 std::vector<registration::Landmark> mpeg4_landmarks(const registration::Ibug68& ibug68);
 
 /// ARKit name and FACS units of an expression of the model; the name itself where it is unknown.
