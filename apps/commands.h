@@ -5,8 +5,14 @@
 namespace vultus::apps {
 
 // One function a command, each in the source of its name.
+void add_onboard(CommandTable& table);
+void add_session(CommandTable& table);
+void add_render(CommandTable& table);
+void add_review(CommandTable& table);
 void add_inspect(CommandTable& table);
-void add_rig_databank(CommandTable& table);
 void add_scan_clean(CommandTable& table);
+void add_register(CommandTable& table);
+void add_rig_databank(CommandTable& table);
+void add_mocap_clean(CommandTable& table);
 
 }  // namespace vultus::apps

@@ -3,8 +3,14 @@
 int main(int argc, char** argv) {
   using namespace vultus::apps;
   CommandTable table;
+  add_onboard(table);
+  add_session(table);
+  add_render(table);
+  add_review(table);
   add_inspect(table);
   add_scan_clean(table);
+  add_register(table);
   add_rig_databank(table);
+  add_mocap_clean(table);
   return table.run(argc, argv);
 }

@@ -1,0 +1,52 @@
+#include <CLI/CLI.hpp>
+
+#include "apps/commands.h"
+#include "mocap/clean.h"
+
+namespace vultus::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  fs::path take, out, samples;
+  mocap::ReadOptions reading;
+  mocap::CleanOptions options;
+};
+
+ExitCode clean(const Arguments& arguments, Run& run) {
+  run.input(arguments.take);
+  mocap::CleanOptions options = arguments.options;
+  options.gaps.seed = run.seed();
+  const mocap::Take raw = mocap::read_take(arguments.take, arguments.reading);
+  const mocap::Cleaned cleaned = mocap::clean(raw, options, run.progress());
+  for (const std::string& line : cleaned.report.decisions) run.progress().note(line);
+  mocap::write_take(arguments.out, cleaned.take);
+  if (!arguments.samples.empty()) mocap::write_samples(arguments.samples, cleaned.report);
+  run.numbers() = {{"frames", cleaned.take.frames()},           {"markers", cleaned.take.markers()},
+                   {"gaps", cleaned.report.gaps.size()},        {"spikes", cleaned.report.spikes.size()},
+                   {"head_method", cleaned.report.head_method}, {"head_rms_mm", cleaned.report.head_rms}};
+  run.print(arguments.out.string());
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_mocap_clean(CommandTable& table) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App& app = table.add("mocap clean", "Raw take to a stabilized, filled and smoothed one",
+                            "vultus mocap clean raw.c3d --out clean.c3d --samples samples.json", {.seed = true},
+                            [arguments](Run& run) { return clean(*arguments, run); });
+  app.add_option("TAKE", arguments->take, "C3D, TRC or CSV")->required()->type_name("FILE");
+  app.add_option("--out", arguments->out, "C3D or TRC to write")->required()->type_name("FILE");
+  app.add_option("--samples", arguments->samples, "Write how each filled sample came to be")->type_name("FILE.json");
+  app.add_option("--jig", arguments->options.head.jig,
+                 "Labels of the head's markers (default: those that look like a jig's)")
+      ->type_name("LABEL…");
+  app.add_option("--unit", arguments->reading.unit, "Unit of the file: mm, cm, m or in (default: what the file says)");
+  app.add_option("--up", arguments->reading.up_axis,
+                 "Up axis of the file: x, y, z, -x, -y or -z (default: what the file says)");
+  app.add_option("--cutoff", arguments->options.filter.cutoff_hz, "Low-pass frequency, Hz")->capture_default_str();
+}
+
+}  // namespace vultus::apps

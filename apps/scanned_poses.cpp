@@ -1,0 +1,268 @@
+#include "apps/scanned_poses.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "apps/registration_report.h"
+#include "core/array_io.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/image.h"
+#include "core/mesh_io.h"
+#include "register/landmarks.h"
+#include "render/face_look.h"
+#include "render/portrait.h"
+#include "render/preview.h"
+#include "scan/clean.h"
+
+namespace vultus::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using registration::Registered;
+
+// Stages of several scans at once would overwrite each other's bars; only cancelling passes through.
+class Background final : public Progress {
+ public:
+  explicit Background(const Progress& foreground) : foreground_(foreground) {}
+  void begin(std::string_view, std::size_t) override {}
+  void advance(std::size_t) override {}
+  void note(std::string_view) override {}
+  bool cancelled() const override { return foreground_.cancelled(); }
+
+ private:
+  const Progress& foreground_;
+};
+
+// A scan ready for registration.
+struct Prepared {
+  Mesh mesh;
+  std::optional<registration::ScanLandmarks> landmarks;
+  std::vector<std::string> cleaning;
+};
+
+struct Attempt {
+  std::optional<Registered> registered;
+  std::vector<std::string> cleaning;
+  std::string problem;
+};
+
+struct Work {
+  CapturedPose pose;
+  Provenance provenance;
+};
+
+class Scans {
+ public:
+  Scans(const Capture& capture, const registration::Registration& registration, Progress& progress)
+      : capture_(capture), registration_(registration), background_(progress) {}
+
+  Attempt neutral(const CapturedPose& pose) {
+    Prepared scan = prepared(pose);
+    Attempt attempt;
+    attempt.registered = registration_.neutral(scan.mesh, scan.landmarks, background_);
+    attempt.cleaning = std::move(scan.cleaning);
+    return attempt;
+  }
+
+  Attempt expression(const Registered& neutral, const CapturedPose& pose) {
+    Attempt attempt;
+    try {
+      Prepared scan = prepared(pose);
+      attempt.registered = registration_.expression(neutral, scan.mesh, scan.landmarks, background_);
+      attempt.cleaning = std::move(scan.cleaning);
+    } catch (const InputError& error) {
+      attempt.problem = error.what();
+    }
+    return attempt;
+  }
+
+ private:
+  Prepared prepared(const CapturedPose& pose) {
+    Mesh raw = read_mesh(pose.scan, NonFinite::keep);
+    raw.positions = (raw.positions * capture_.upright.transpose()).eval();
+    scan::CleanOptions options;
+    options.mm_per_unit = capture_.mm_per_unit;
+    scan::CleanScan cleaned = [&] {
+      try {
+        return scan::clean_scan(raw, options, background_);
+      } catch (const InputError& error) {
+        throw InputError(pose.scan, error.what());
+      }
+    }();
+    Prepared result{std::move(cleaned.mesh), {}, cleaned.report.lines()};
+    if (!pose.landmarks.empty()) {
+      result.landmarks = registration::read_landmarks(pose.landmarks, cleaned.report.units.mm_per_unit);
+      for (auto& landmark : *result.landmarks) landmark.position = capture_.upright * landmark.position;
+    }
+    return result;
+  }
+
+  const Capture& capture_;
+  const registration::Registration& registration_;
+  Background background_;
+};
+
+std::string report_name(const std::string& pose) { return "report/" + pose + ".json"; }
+std::string distance_name(const std::string& pose) { return "report/" + pose + ".distance.npy"; }
+std::string picture_name(const std::string& pose) { return "report/" + pose + ".png"; }
+
+void add_scan_inputs(const CapturedPose& pose, const std::string& prefix, std::map<std::string, std::string>& inputs) {
+  inputs[prefix + "scan"] = sha256_of_file(pose.scan);
+  if (!pose.landmarks.empty()) inputs[prefix + "landmarks"] = sha256_of_file(pose.landmarks);
+  const std::string texture = read_mesh(pose.scan, NonFinite::keep).texture;
+  if (fs::is_regular_file(texture)) inputs[prefix + "texture"] = sha256_of_file(texture);
+}
+
+// The head from the front and from a side in the colours of its distance to the scan, up to 2 mm.
+Image distance_picture(const Registered& registered) {
+  constexpr int size = 384;
+  constexpr double turn = 0.7, farthest = 2.0;
+  const Topology& topology = *registered.mesh.topology;
+  const Eigen::VectorXf& distance = registered.quality.vertex_distance;
+  render::PreviewOptions options;
+  options.field = render::VertexField{{distance.data(), distance.data() + distance.size()}, 0.0, farthest};
+  options.hidden_vertices = render::face_look(topology, registered.mesh.positions).hidden_vertices;
+  options.background = Eigen::Vector3f(0.8f, 0.8f, 0.8f);
+  Image picture = Image::rgb(2 * size, size);
+  for (int side = 0; side < 2; ++side) {
+    const render::PortraitOptions view{size, size, side * turn, 0.0, 1.5};
+    const Image half = render::render_preview(
+        registered.mesh, render::portrait_camera(topology, registered.mesh.positions, view), options);
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) picture.set_rgb(side * size + x, y, half.rgb_at(x, y));
+    }
+  }
+  return picture;
+}
+
+class Writer {
+ public:
+  explicit Writer(rig::ActorWriter& actor) : actor_(actor) {}
+
+  bool is_current(const Work& work) const {
+    const std::string& name = work.pose.name;
+    if (!actor_.pose_is_current(name, work.provenance)) return false;
+    const std::array<std::string, 3> reports{report_name(name), distance_name(name), picture_name(name)};
+    return std::all_of(reports.begin(), reports.end(),
+                       [&](const auto& file) { return actor_.manifest().is_current(file, work.provenance); });
+  }
+
+  void write(const Work& work, const Attempt& attempt, Progress& progress) {
+    const Registered& registered = *attempt.registered;
+    const std::string& name = work.pose.name;
+    nlohmann::json report = pose_report(work.pose, registered, attempt.cleaning);
+    report["picture"] = picture_name(name);
+    const auto& distance = registered.quality.vertex_distance;
+    Manifest& manifest = actor_.manifest();
+    write_json(manifest.folder() / report_name(name), report);
+    write_npy(manifest.folder() / distance_name(name),
+              {{static_cast<std::size_t>(distance.size())}, {distance.data(), distance.data() + distance.size()}});
+    write_image(manifest.folder() / picture_name(name), distance_picture(registered));
+    for (const std::string& file : {report_name(name), distance_name(name), picture_name(name)}) {
+      manifest.record(file, work.provenance);
+    }
+    actor_.write_pose({name, work.pose.tags, registered.mesh.positions}, work.provenance);
+    progress.note(summary_line(report));
+  }
+
+ private:
+  rig::ActorWriter& actor_;
+};
+
+std::vector<Work> work_for(const Capture& capture, const std::vector<CapturedPose>& poses,
+                           const std::string& template_hash, const std::string& method) {
+  std::vector<Work> work;
+  std::map<std::string, std::string> neutral_inputs;
+  add_scan_inputs(poses.front(), "", neutral_inputs);
+  const std::vector<double> upright(capture.upright.data(), capture.upright.data() + 9);
+  for (const CapturedPose& pose : poses) {
+    Provenance provenance{
+        "onboard",
+        {{"method", method}, {"mm_per_unit", capture.mm_per_unit}, {"upright", upright}, {"tags", pose.tags}},
+        {{"template", template_hash}}};
+    if (&pose == &poses.front())
+      provenance.inputs.insert(neutral_inputs.begin(), neutral_inputs.end());
+    else
+      add_scan_inputs(pose, "", provenance.inputs);
+    for (const auto& [label, hash] : neutral_inputs) {
+      if (&pose != &poses.front()) provenance.inputs["neutral " + label] = hash;
+    }
+    work.push_back({pose, provenance});
+  }
+  return work;
+}
+
+}  // namespace
+
+bool is_report_of(const std::string& pose, const std::string& artefact) {
+  return artefact == report_name(pose) || artefact == distance_name(pose) || artefact == picture_name(pose);
+}
+
+ScannedPoses register_scans(const Capture& capture, const std::vector<CapturedPose>& poses,
+                            const registration::Registration& registration, const std::string& template_hash,
+                            const std::string& method, rig::ActorWriter& writer, Progress& progress) {
+  ScannedPoses result;
+  Writer output(writer);
+  std::vector<Work> stale;
+  for (Work& work : work_for(capture, poses, template_hash, method)) {
+    if (output.is_current(work))
+      ++result.reused;
+    else
+      stale.push_back(std::move(work));
+  }
+  if (stale.empty()) return result;
+
+  progress.begin("registering scans", stale.size());
+  Scans scans(capture, registration, progress);
+  // Expressions start from the neutral's result, which is not on disk in full: it is found again, the same.
+  const Attempt neutral = scans.neutral(poses.front());
+  std::size_t next = 0;
+  if (stale.front().pose.name == poses.front().name) {
+    output.write(stale.front(), neutral, progress);
+    progress.advance();
+    ++result.registered;
+    next = 1;
+  }
+  constexpr int most_at_once = 4;  // each holds a scan of some 100 MB with its trees
+  const auto batch = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency(), 1, most_at_once));
+  for (; next < stale.size(); next += batch) {
+    progress.check();
+    std::vector<Attempt> attempts(std::min(batch, stale.size() - next));
+    tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t k) {
+      attempts[k] = scans.expression(*neutral.registered, stale[next + k].pose);
+    });
+    for (std::size_t k = 0; k < attempts.size(); ++k) {
+      if (attempts[k].registered) {
+        output.write(stale[next + k], attempts[k], progress);
+        ++result.registered;
+      } else {
+        result.failed.push_back(stale[next + k].pose.name + ": " + attempts[k].problem);
+      }
+      progress.advance();
+    }
+  }
+  return result;
+}
+
+std::string hash_of(const registration::Template& head) {
+  const TopologyData& data = head.topology->data();
+  nlohmann::json names = {
+      {"name", head.name}, {"subdivisions", head.subdivisions}, {"sets", data.sets}, {"landmarks", data.landmarks}};
+  if (head.ibug68) names["ibug68"] = *head.ibug68;
+  for (const registration::Landmark& landmark : head.landmarks)
+    names["points"].push_back({landmark.name, landmark.vertex, landmark.major});
+  std::string bytes = names.dump();
+  const auto add = [&](const void* values, std::size_t size) { bytes.append(static_cast<const char*>(values), size); };
+  add(head.neutral.data(), static_cast<std::size_t>(head.neutral.size()) * sizeof(double));
+  add(data.uvs.data(), static_cast<std::size_t>(data.uvs.size()) * sizeof(double));
+  for (const auto* list : {&data.face_offsets, &data.corner_vertex, &data.corner_uv})
+    add(list->data(), list->size() * sizeof(int));
+  return sha256_of_bytes(bytes);
+}
+
+}  // namespace vultus::apps
