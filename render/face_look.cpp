@@ -22,8 +22,8 @@ const Substance mouth{{0.36, 0.11, 0.10}, {0.25f, 1.35f, 1.0f}};
 const Substance caruncle{{0.52, 0.24, 0.21}, {0.2f, 1.35f, 1.0f}};
 
 const std::pair<std::string_view, const Substance*> by_prefix[] = {
-    {"teeth", &teeth},        {"gums", &mouth},        {"tongue", &mouth},  {"inner_mouth", &mouth},
-    {"mouth_socket", &mouth}, {"lacrimal", &caruncle}, {"eyeball", &sclera}};
+    {"teeth", &teeth},        {"gums", &mouth},         {"tongue", &mouth},      {"inner_mouth", &mouth},
+    {"mouth_cavity", &mouth}, {"mouth_socket", &mouth}, {"lacrimal", &caruncle}, {"eyeball", &sclera}};
 
 const std::string_view hidden_prefixes[] = {"eye_occlusion", "eye_blend", "eyelashes"};
 
