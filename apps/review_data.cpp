@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/session_actor.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/manifest.h"
@@ -73,14 +74,6 @@ std::vector<std::string> take_names(const ReviewSession& session) {
   return names;
 }
 
-fs::path actor_folder_of(const ReviewSession& session, const fs::path& manifest) {
-  if (!session.facts.contains("actor") || !session.facts["actor"].is_string()) {
-    throw InputError(manifest, "actor", "the path of the session's actor folder is needed");
-  }
-  const fs::path actor = session.facts["actor"].get<std::string>();
-  return actor.is_absolute() ? actor : session.folder / actor;
-}
-
 }  // namespace
 
 double ReviewTake::rate_hz() const {
@@ -101,8 +94,8 @@ ReviewSession read_review_session(const fs::path& folder) {
   session.folder = fs::absolute(folder).lexically_normal();
   session.facts = manifest.facts();
   for (const std::string& artefact : manifest.artefacts()) session.hashes[artefact] = manifest.hash(artefact);
-  session.actor_folder = actor_folder_of(session, manifest_file);
-  session.actor = rig::load_actor(session.actor_folder);
+  session.actor_folder = actor_folder(manifest);
+  session.actor = load_session_actor(manifest);
   const fs::path registration = session.actor_folder / "report" / "registration.json";
   if (there(registration)) {
     session.registration = read_json(registration);

@@ -28,7 +28,8 @@ namespace vultus::apps {
 // ACTOR/report/<pose>.distance.npy  float32, vertex_count: distance of each vertex to the scan, mm; NaN where no scan
 //                                   is near.
 // SESSION/session.json facts: {"actor": PATH (absolute or relative to SESSION), "takes": [NAME…], "solver": NAME,
-//                              "decisions": [TEXT…], "warnings": [TEXT…]}
+//                              "decisions": [TEXT…], "warnings": [TEXT…]}; a session's own regions replace the actor's
+//                              (apps/session_actor.h).
 // SESSION/markers.json             rig/markers.h: where the session's markers sit on the rig; else the actor's own.
 // SESSION/takes/<take>/report.json  written by `session`:
 //   {"space": "training" | "surface",                    where the marker basis came from, so what the errors measure

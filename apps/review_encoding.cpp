@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 
 namespace vultus::apps {
@@ -14,17 +15,21 @@ std::string base64_of(std::span<const T> values) {
   return base64(std::string_view(reinterpret_cast<const char*>(values.data()), values.size_bytes()));
 }
 
-std::string replaced(std::string_view text, std::string_view what, std::string_view with) {
+bool same_letters(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  });
+}
+
+/// A backslash after the '<' of every `what` (in any case).
+std::string broken_up(std::string_view text, std::string_view what) {
   std::string result;
   result.reserve(text.size());
-  std::size_t start = 0;
-  for (;;) {
-    const std::size_t found = text.find(what, start);
-    result += text.substr(start, found - start);
-    if (found == std::string_view::npos) return result;
-    result += with;
-    start = found + what.size();
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    result += text[i];
+    if (text[i] == '<' && same_letters(text.substr(i, what.size()), what)) result += '\\';
   }
+  return result;
 }
 
 }  // namespace
@@ -62,8 +67,21 @@ std::vector<std::uint16_t> quantized(std::span<const float> values, double unit)
   return result;
 }
 
-std::string script_text(std::string_view text) { return replaced(replaced(text, "</", "<\\/"), "<!--", "<\\!--"); }
+std::string script_text(std::string_view text) { return broken_up(broken_up(text, "</script"), "<!--"); }
 
-std::string style_text(std::string_view text) { return replaced(text, "</", "<\\/"); }
+std::string json_text(std::string_view json) {
+  std::string result;
+  result.reserve(json.size());
+  for (char c : json) {
+    if (c == '<') {
+      result += "\\u003c";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+std::string style_text(std::string_view text) { return broken_up(text, "</style"); }
 
 }  // namespace vultus::apps

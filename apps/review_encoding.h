@@ -19,9 +19,11 @@ std::string base64(std::span<const std::uint32_t> values);
 /// Steps of `unit` from 0, rounded, at most 65534; 65535 stands for NaN.
 std::vector<std::uint16_t> quantized(std::span<const float> values, double unit);
 
-/// Text that may stand between <script> tags: no "</script" or "<!--" inside ends it early. The escapes are ones that
-/// JavaScript and JSON strings read as the same text.
+/// Text that may stand between <script> tags: a "</script" or "<!--" inside is written with a backslash after the '<',
+/// which JavaScript strings read as the same text. Not for JSON, which has no such escape.
 std::string script_text(std::string_view text);
+/// JSON that may stand between <script> tags: every '<' as \u003c.
+std::string json_text(std::string_view json);
 /// Text between <style> tags.
 std::string style_text(std::string_view text);
 

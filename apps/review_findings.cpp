@@ -17,12 +17,16 @@ std::string text_or(const nlohmann::json& json, const char* key, const std::stri
 void add_warnings(const nlohmann::json& json, const std::string& take, Findings& findings) {
   if (!json.is_object() || !json.contains("warnings") || !json["warnings"].is_array()) return;
   for (const auto& warning : json["warnings"]) {
-    if (warning.is_string()) findings.push_back({Severity::look, warning.get<std::string>(), take, "", "", -1});
+    if (!warning.is_string()) continue;
+    const std::string text = warning.get<std::string>();
+    const auto same = [&](const Finding& finding) { return finding.text == text; };
+    if (std::none_of(findings.begin(), findings.end(), same)) {
+      findings.push_back({Severity::look, text, take, "", "", -1});
+    }
   }
 }
 
 void add_registration(const ReviewSession& session, Findings& findings) {
-  add_warnings(session.registration, "", findings);
   if (!session.registration.is_object() || !session.registration.contains("poses")) return;
   for (const auto& pose : session.registration["poses"]) {
     const std::string verdict = text_or(pose, "verdict", "pass"), name = text_or(pose, "pose", "?");
@@ -140,9 +144,7 @@ nlohmann::json Finding::json() const {
 std::vector<Finding> find_what_stands_out(const ReviewSession& session) {
   Findings findings;
   add_registration(session, findings);
-  add_warnings(session.facts, "", findings);
   for (const ReviewTake& take : session.takes) {
-    add_warnings(take.report, take.name, findings);
     if (take.errors) {
       add_against_global(take, findings);
       add_worst_markers(take, findings);
@@ -151,6 +153,10 @@ std::vector<Finding> find_what_stands_out(const ReviewSession& session) {
     add_gaps(take, findings);
     add_stabilization(take, findings);
   }
+  // What was measured here comes before what the stages said on their way.
+  add_warnings(session.facts, "", findings);
+  add_warnings(session.registration, "", findings);
+  for (const ReviewTake& take : session.takes) add_warnings(take.report, take.name, findings);
   for (const std::string& file : session.missing) {
     findings.push_back({Severity::note, "Not in the session yet: " + file, "", "", "", -1});
   }

@@ -88,7 +88,7 @@ std::string page_text(const std::string& title, const nlohmann::json& data, cons
     scripts += std::string(review_asset(name)) + "\n";
   }
   page = replaced_once(page, "@SCRIPTS@", script_text(scripts));
-  return replaced_once(page, "@DATA@", script_text(data.dump()));
+  return replaced_once(page, "@DATA@", json_text(data.dump()));
 }
 
 }  // namespace

@@ -118,12 +118,8 @@ nlohmann::json stabilization_json(const mocap::CleanReport& samples) {
 }
 
 nlohmann::json decisions_json(const ReviewTake& take) {
-  nlohmann::json lines = nlohmann::json::array();
-  if (take.samples) lines = take.samples->decisions;
-  if (take.report.contains("decisions") && take.report["decisions"].is_array()) {
-    for (const auto& line : take.report["decisions"]) lines.push_back(line);
-  }
-  return lines;
+  if (take.report.contains("decisions") && take.report["decisions"].is_array()) return take.report["decisions"];
+  return take.samples ? nlohmann::json(take.samples->decisions) : nlohmann::json::array();
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // Curves over frames (dygraphs), linked with the timeline: same range, same playhead, click to go there.
+// Every plot begins at the same x, so that a playhead runs straight through all of them.
+const PLOT_LEFT = 132, PLOT_RIGHT = 8;
 const AXES = {
   x: { drawGrid: false, axisLabelWidth: 60 },
-  y: { gridLineColor: '#272b31', axisLabelWidth: 44, gridLineWidth: 1 },
+  y: { gridLineColor: '#272b31', axisLabelWidth: PLOT_LEFT - 6, gridLineWidth: 1 },
 };
 
 class Curve {
@@ -53,7 +55,7 @@ class Curve {
     return {
       axes: AXES, axisLineColor: '#3a4048', dateWindow: this.timeline.window.slice(), legend: 'never',
       stackedGraph: Boolean(this.options.stacked), fillAlpha: 0.55, valueRange: this.options.valueRange || [0, null],
-      highlightCircleSize: 2.5, rightGap: 8, xRangePad: 0, connectSeparatedPoints: false, animatedZooms: false,
+      highlightCircleSize: 2.5, rightGap: PLOT_RIGHT, xRangePad: 0, connectSeparatedPoints: false, animatedZooms: false,
       drawCallback: graph => {
         const [first, last] = graph.xAxisRange();
         this.timeline.range(first, last, this);

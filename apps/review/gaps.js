@@ -1,5 +1,5 @@
 // Marker × time: where samples were filled, how, and how sure that is.
-const GAP_ROW = 13, GAP_LEFT = 132, GAP_TOP = 4, GAP_FOOT = 20;
+const GAP_ROW = 13, GAP_TOP = 4, GAP_FOOT = 20;
 
 class GapChart {
   constructor(take, timeline) {
@@ -40,13 +40,13 @@ class GapChart {
   }
 
   scale() {
-    const [first, last] = this.timeline.window, width = this.box.clientWidth - GAP_LEFT - 8;
+    const [first, last] = this.timeline.window, width = this.box.clientWidth - PLOT_LEFT - PLOT_RIGHT;
     return { first, perFrame: width / Math.max(1e-9, last - first) };
   }
 
   frameAt(x) {
     const { first, perFrame } = this.scale();
-    return first + (x - GAP_LEFT) / perFrame;
+    return first + (x - PLOT_LEFT) / perFrame;
   }
 
   draw() {
@@ -57,20 +57,20 @@ class GapChart {
     this.canvas.height = height * ratio;
     this.canvas.style.height = `${height}px`;
     paint.setTransform(ratio, 0, 0, ratio, 0, 0);
-    const { first, perFrame } = this.scale(), x = frame => GAP_LEFT + (frame - first) * perFrame;
+    const { first, perFrame } = this.scale(), x = frame => PLOT_LEFT + (frame - first) * perFrame;
     paint.font = '11px "DejaVu Sans", sans-serif';
     paint.textBaseline = 'middle';
     this.rows.forEach((label, n) => {
       const y = GAP_TOP + n * GAP_ROW;
       paint.fillStyle = '#22262b';
-      paint.fillRect(GAP_LEFT, y + 2, width - GAP_LEFT - 8, GAP_ROW - 4);
+      paint.fillRect(PLOT_LEFT, y + 2, width - PLOT_LEFT - PLOT_RIGHT, GAP_ROW - 4);
       paint.fillStyle = '#9aa1aa';
       paint.textAlign = 'right';
-      paint.fillText(label.length > 20 ? label.slice(0, 19) + '…' : label, GAP_LEFT - 8, y + GAP_ROW / 2);
+      paint.fillText(label.length > 20 ? label.slice(0, 19) + '…' : label, PLOT_LEFT - 8, y + GAP_ROW / 2);
     });
     paint.save();
     paint.beginPath();
-    paint.rect(GAP_LEFT, 0, width - GAP_LEFT - 8, height);
+    paint.rect(PLOT_LEFT, 0, width - PLOT_LEFT - PLOT_RIGHT, height);
     paint.clip();
     for (const gap of this.gaps) {
       const y = GAP_TOP + this.rows.indexOf(gap.marker) * GAP_ROW, left = x(gap.first), wide = Math.max(1.5, x(gap.last + 1) - left);

@@ -58,6 +58,8 @@ class HeadModel {
 const CLAY = [0.62, 0.58, 0.55];
 const DISTANCE_RANGES = [0.25, 0.5, 1, 2, 5];
 const MOTION_RANGE = 8;
+const VIEW_ANGLE = 24;  // degrees
+const DOT_SIZE = 3.4;   // mm; three.js' point size knows nothing of the view angle
 
 class HeadView {
   constructor(model, host) {
@@ -69,19 +71,19 @@ class HeadView {
     this.positions = new Float32Array(model.neutral);
     this.legend = make('div', { class: 'legend' });
     this.build();
-    host.append(this.renderer.domElement, this.legend, make('div', { class: 'hint' }, 'drag to turn · wheel to zoom'));
+    host.append(this.renderer.domElement, this.legend, make('div', { class: 'hint' }, 'drag to turn, wheel to zoom'));
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
     this.colour();
   }
 
   build() {
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.gammaOutput = true;
     this.renderer.gammaFactor = 2.2;
     this.scene = new THREE.Scene();
-    this.camera = new THREE.PerspectiveCamera(24, 1, 10, 5000);
+    this.camera = new THREE.PerspectiveCamera(VIEW_ANGLE, 1, 10, 5000);
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enablePan = false;
     this.controls.addEventListener('change', () => this.draw());
@@ -92,7 +94,7 @@ class HeadView {
     this.geometry.computeVertexNormals();
     this.geometry.computeBoundingSphere();
     const skin = new THREE.MeshStandardMaterial({
-      vertexColors: THREE.VertexColors, roughness: 0.62, metalness: 0.0, side: THREE.DoubleSide,
+      vertexColors: THREE.VertexColors, roughness: 0.62, metalness: 0.0, side: THREE.FrontSide,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });
     this.mesh = new THREE.Mesh(this.geometry, skin);
@@ -126,7 +128,7 @@ class HeadView {
     paint.arc(32, 32, 26, 0, 2 * Math.PI);
     paint.fill();
     this.dots = new THREE.Points(geometry, new THREE.PointsMaterial({
-      size: 3.6, map: new THREE.CanvasTexture(disc), alphaTest: 0.5, vertexColors: THREE.VertexColors,
+      size: DOT_SIZE / Math.tan(VIEW_ANGLE * Math.PI / 360), map: new THREE.CanvasTexture(disc), alphaTest: 0.5, vertexColors: THREE.VertexColors,
     }));
     this.dots.frustumCulled = false;
     this.dots.visible = false;
@@ -254,6 +256,7 @@ class HeadView {
 
   drawLegend() {
     this.legend.replaceChildren();
+    this.legend.hidden = (this.mode === 'clay' || this.mode === 'skin') && !(this.dots && this.dots.visible);
     const scale = (title, last, note) => this.legend.append(
       make('div', {}, title), make('div', { class: 'ramp', style: { background: rampCss() } }),
       make('div', { class: 'ticks' }, make('span', {}, '0'), make('span', {}, `${last} mm or more`)), note || '');

@@ -87,7 +87,7 @@ function picturePanel(take, timeline) {
   } }, 'Film') : null;
   timeline.onFrame.push(nearest);
   fill();
-  return make('div', { class: 'panel' },
+  return make('div', { class: 'panel pictures' },
     make('div', { class: 'bar' }, make('h3', { style: { margin: 0 } }, 'Rendered frames', caption), modeBar, film ? make('div', { class: 'push' }, film) : null),
     pictures.length || take.film ? [large, strip]
       : make('div', { class: 'empty' }, 'No rendered frames yet. Make some with: vultus render SESSION --take ' + take.name));
@@ -196,13 +196,15 @@ function takePart(take, body) {
   body.append(charts);
   mounts.forEach(mount => mount());
   Object.assign(state, { take, timeline, controls: face.controls, chooseMarker });
+  if (take.pictures && take.pictures.length) timeline.show(take.pictures[0].frame);
 }
 
 function decisionsPart(take) {
   const repairs = (take.repairs || []).map(repair => `${repair.marker}, frame ${repair.frame}: ${repair.what}`);
   const node = make('div', { class: 'panel' }, make('h3', {}, 'What was decided'));
-  const parts = [decisionsPanel('This take', [take.decisions || []]), decisionsPanel('Repairs', [repairs]),
-    decisionsPanel('The session', [DATA.session.decisions || []])].filter(Boolean);
+  const shared = DATA.session.decisions || [], own = (take.decisions || []).filter(line => !shared.includes(line));
+  const parts = [decisionsPanel('This take', [own]), decisionsPanel('Repairs', [repairs]),
+    decisionsPanel('The session', [shared])].filter(Boolean);
   if (take.solve) {
     const solve = take.solve;
     node.append(make('div', { class: 'unit', style: { marginBottom: '6px' } },
@@ -257,7 +259,7 @@ function registrationPart() {
   };
   if (view) {
     const measured = HEAD.distances.size > 0;
-    if (measured) view.setMode('distance');
+    view.setMode(measured ? 'distance' : HEAD.regions.length ? 'regions' : 'clay');
     const modes = [measured ? 'distance' : null, 'motion', 'clay', HEAD.colours ? 'skin' : null, HEAD.regions.length ? 'regions' : null].filter(Boolean);
     const range = make('select', { 'aria-label': 'range', onchange: event => {
       view.range = Number(event.target.value);
@@ -285,6 +287,14 @@ function keys(event) {
   event.preventDefault();
 }
 
+// A link may name the take and frame to open at: index.html#take=NAME&frame=120
+function openLinked() {
+  const wanted = new URLSearchParams(location.hash.slice(1));
+  const take = TAKES.find(candidate => candidate.name === wanted.get('take'));
+  if (take) openTake(take);
+  if (wanted.has('frame') && state.timeline) state.timeline.show(Number(wanted.get('frame')) || 0);
+}
+
 headerPart();
 const openTake = takesPart();
 const openPose = registrationPart();
@@ -302,3 +312,5 @@ document.getElementById('look').append(make('h2', {}, 'Where to look'), findings
 document.getElementById('origin').append(make('h2', {}, 'Provenance'), originPanel(),
   make('footer', {}, `Vultus ${DATA.version} · curves by dygraphs, head by three.js`));
 document.addEventListener('keydown', keys);
+window.addEventListener('hashchange', openLinked);
+openLinked();
