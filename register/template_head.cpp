@@ -66,6 +66,7 @@ void add_lips_and_lids(SetMaker& s, const Weave& w) {
     s.sides("lower_lid", part(w.eye[r], 9, 15));
     s.both("lids", w.eye[r]);
   }
+  for (int r = 1; r <= 2; ++r) s.sides("lid_margin", w.eye[r]);
 }
 
 void add_face(SetMaker& s, const Weave& w) {
@@ -113,8 +114,9 @@ VertexSets vertex_sets(const Weave& w) {
   s.merge("teeth", {"teeth_upper", "teeth_lower"});
   s.merge("inner_mouth", {"mouth_cavity", "teeth"});
   s.merge("skin", {"face", "lids", "lips", "neck", "back_of_head", "ears"});
-  s.both("skin", w.nostril_inner);
-  s.both("skin", {w.nostril_centre});
+  s.both("nostrils", w.nostril_inner);
+  s.both("nostrils", {w.nostril_centre});
+  s.merge("skin", {"nostrils"});
   for (const Ring& column : w.side) s.both("skin", column);
   return s.finished();
 }
