@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "rig/feature_points.h"
@@ -11,12 +10,11 @@ namespace vultus::rig {
 namespace {
 
 struct Place {
-  std::string name;   // without side
-  std::string side;   // "left", "right" or empty
+  std::string name;
   std::vector<Eigen::Vector3d> points;
 };
 
-constexpr double kBothSides = 0.3;  // of the votes for a place: the region spans the face
+constexpr double kBothSides = 0.25;  // of the votes on the lesser side: the region spans the face
 
 class Face {
  public:
@@ -39,18 +37,19 @@ class Face {
 
 std::vector<Place> places_of(const Face& face) {
   std::vector<Place> places = {
-      {"brow", "right", face.all({17, 18, 19, 20, 21})}, {"brow", "left", face.all({22, 23, 24, 25, 26})},
-      {"eye", "right", face.all({36, 37, 38, 39, 40, 41})}, {"eye", "left", face.all({42, 43, 44, 45, 46, 47})},
-      {"nose", "", face.all({28, 29, 30, 31, 33, 35})},
-      {"mouth", "right", face.all({48, 60})}, {"mouth", "left", face.all({54, 64})},
-      {"lip_upper", "", face.all({50, 51, 52, 61, 62, 63})}, {"lip_lower", "", face.all({56, 57, 58, 65, 66, 67})},
-      {"jaw", "", face.all({7, 8, 9})}};
+      {"brow", face.all({17, 18, 19, 20, 21, 22, 23, 24, 25, 26})},
+      {"eye", face.all({36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47})},
+      {"nose", face.all({28, 29, 30, 31, 33, 35})},
+      {"mouth", face.all({48, 54, 60, 64})},
+      {"lip_upper", face.all({50, 51, 52, 61, 62, 63})},
+      {"lip_lower", face.all({56, 57, 58, 65, 66, 67})},
+      {"jaw", face.all({7, 8, 9})}};
   // The cheeks have no points of their own: below the outer eye corner at the height between eye and mouth.
-  if (face.has({36, 48})) places.push_back({"cheek", "right", {0.55 * face.at(36) + 0.45 * face.at(48)}});
-  if (face.has({45, 54})) places.push_back({"cheek", "left", {0.55 * face.at(45) + 0.45 * face.at(54)}});
-  if (face.has({8, 57}) && face.has({30})) {
+  if (face.has({36, 45, 48, 54}))
+    places.push_back({"cheek", {0.55 * face.at(36) + 0.45 * face.at(48), 0.55 * face.at(45) + 0.45 * face.at(54)}});
+  if (face.has({8, 30, 57})) {
     const Eigen::Vector3d down = face.at(8) - face.at(57), back(0.0, 0.0, -0.6 * (face.at(8) - face.at(30)).norm());
-    places.push_back({"neck", "", {face.at(8) + 1.5 * down + back}});
+    places.push_back({"neck", {face.at(8) + 1.5 * down + back}});
   }
   std::erase_if(places, [](const Place& place) { return place.points.empty(); });
   return places;
@@ -74,23 +73,34 @@ struct Claim {
   std::string name;
 };
 
-/// Claims of every region to every place, both sides joined where a region spans the face.
-std::vector<Claim> claims_of(const std::vector<Place>& places, const Eigen::MatrixXd& votes) {
-  std::vector<Claim> claims;
-  for (int region = 0; region < static_cast<int>(votes.rows()); ++region) {
-    std::map<std::string, std::map<std::string, double>> by_name;
-    const double total = std::max(votes.row(region).sum(), 1e-300);
-    for (std::size_t p = 0; p < places.size(); ++p)
-      by_name[places[p].name][places[p].side] += votes(region, static_cast<Eigen::Index>(p)) / total;
-    for (auto& [name, sides] : by_name) {
-      double sum = 0.0;
-      for (const auto& [side, share] : sides) sum += share;
-      if (!(sum > 0.0)) continue;
-      const double left = sides["left"], right = sides["right"];
-      const std::string side = std::min(left, right) > kBothSides * sum ? "" : left > right ? "_left" : right > left ? "_right" : "";
-      claims.push_back({sum, region, name + side});
-    }
+/// Votes of a region's vertices for each place, by the side of the face they lie on.
+struct Votes {
+  Eigen::MatrixXd left, right;  // regions × places
+};
+
+Votes count_votes(const Actor& actor, const Segmentation& segmentation, const std::vector<Place>& places) {
+  const auto count = static_cast<Eigen::Index>(places.size());
+  Votes votes{Eigen::MatrixXd::Zero(segmentation.regions, count), Eigen::MatrixXd::Zero(segmentation.regions, count)};
+  for (int v = 0; v < actor.topology->vertex_count() && count > 0; ++v) {
+    if (!segmentation.moving[v]) continue;
+    const int place = nearest_place(places, actor.neutral().row(v).transpose());
+    Eigen::MatrixXd& side = actor.neutral()(v, 0) > 0.0 ? votes.left : votes.right;
+    side(segmentation.labels[v], place) += segmentation.field.range[v];
   }
+  return votes;
+}
+
+/// Claims of every region to every place as shares of its votes, strongest first.
+std::vector<Claim> claims_of(const std::vector<Place>& places, const Votes& votes) {
+  std::vector<Claim> claims;
+  for (int region = 0; region < static_cast<int>(votes.left.rows()); ++region) {
+    const double left = votes.left.row(region).sum(), right = votes.right.row(region).sum(), total = left + right;
+    if (!(total > 0.0)) continue;
+    const std::string side = std::min(left, right) > kBothSides * total ? "" : left > right ? "_left" : "_right";
+    for (Eigen::Index p = 0; p < static_cast<Eigen::Index>(places.size()); ++p)
+      claims.push_back({(votes.left(region, p) + votes.right(region, p)) / total, region, places[p].name + side});
+  }
+  std::erase_if(claims, [](const Claim& claim) { return !(claim.votes > 0.0); });
   std::stable_sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) { return a.votes > b.votes; });
   return claims;
 }
@@ -123,12 +133,7 @@ std::vector<std::string> settle(const std::vector<Claim>& claims, int regions) {
 std::vector<std::string> region_names(const Actor& actor, const Segmentation& segmentation) {
   const registration::Ibug68 points = face_points(*actor.topology, actor.ibug68);
   const std::vector<Place> places = places_of(Face(actor.neutral(), points));
-  Eigen::MatrixXd votes = Eigen::MatrixXd::Zero(segmentation.regions, static_cast<Eigen::Index>(places.size()));
-  for (int v = 0; v < actor.topology->vertex_count() && !places.empty(); ++v)
-    if (segmentation.moving[v])
-      votes(segmentation.labels[v], nearest_place(places, actor.neutral().row(v).transpose())) +=
-          segmentation.field.range[v];
-  return settle(claims_of(places, votes), segmentation.regions);
+  return settle(claims_of(places, count_votes(actor, segmentation, places)), segmentation.regions);
 }
 
 }  // namespace vultus::rig
