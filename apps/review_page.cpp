@@ -1,5 +1,6 @@
 #include "apps/review_page.h"
 
+#include <map>
 #include <string_view>
 
 #include "apps/review_assets.h"
@@ -25,9 +26,9 @@ std::string library(const fs::path& folder, const char* file, const char* packag
 }
 
 std::string libraries(const fs::path& folder) {
-  return library(folder, "dygraphs/dygraph.min.js", "libjs-dygraphs") + "\n" +
-         library(folder, "three/three.min.js", "libjs-three") + "\n" +
-         library(folder, "three/examples/js/controls/OrbitControls.js", "libjs-three");
+  std::string text = library(folder, "dygraphs/dygraph.min.js", "libjs-dygraphs");
+  text += "\n" + library(folder, "three/three.min.js", "libjs-three");
+  return text + "\n" + library(folder, "three/examples/js/controls/OrbitControls.js", "libjs-three");
 }
 
 nlohmann::json actor_json(const ReviewSession& session) {
@@ -56,10 +57,18 @@ nlohmann::json provenance_json(const ReviewSession& session) {
   return rows;
 }
 
-std::string replaced_once(const std::string& text, const std::string& mark, const std::string& with) {
-  const std::size_t at = text.find(mark);
-  if (at == std::string::npos) return text;
-  return text.substr(0, at) + with + text.substr(at + mark.size());
+/// The skeleton with its marks filled in; what is filled in is not searched for marks again.
+std::string filled(std::string_view skeleton, const std::map<std::string_view, std::string>& marks) {
+  std::string page;
+  while (!skeleton.empty()) {
+    const std::size_t open = skeleton.find('@');
+    page += skeleton.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = skeleton.find('@', open + 1);
+    page += marks.at(skeleton.substr(open + 1, close - open - 1));
+    skeleton.remove_prefix(close + 1);
+  }
+  return page;
 }
 
 std::string escaped(const std::string& text) {
@@ -78,17 +87,15 @@ std::string escaped(const std::string& text) {
 }
 
 std::string page_text(const std::string& title, const nlohmann::json& data, const std::string& library_text) {
-  // Order matters: the data comes last, so that nothing inside it is taken for a mark.
-  std::string page = std::string(review_asset("page.html"));
-  page = replaced_once(page, "@TITLE@", escaped(title));
-  page = replaced_once(page, "@STYLE@", style_text(review_asset("page.css")));
-  page = replaced_once(page, "@LIBRARIES@", script_text(library_text));
   std::string scripts;
   for (const char* name : {"data.js", "colours.js", "head.js", "charts.js", "gaps.js", "tables.js", "page.js"}) {
     scripts += std::string(review_asset(name)) + "\n";
   }
-  page = replaced_once(page, "@SCRIPTS@", script_text(scripts));
-  return replaced_once(page, "@DATA@", json_text(data.dump()));
+  return filled(review_asset("page.html"), {{"TITLE", escaped(title)},
+                                            {"STYLE", style_text(review_asset("page.css"))},
+                                            {"LIBRARIES", script_text(library_text)},
+                                            {"DATA", json_text(data.dump())},
+                                            {"SCRIPTS", script_text(scripts)}});
 }
 
 }  // namespace

@@ -75,11 +75,15 @@ function picturePanel(take, timeline) {
     } }, make('img', { src: picture.src, alt: '', loading: 'lazy' }))));
     nearest(timeline.frame);
   };
-  const modeBar = modes.length > 1 ? make('div', { class: 'pills' }, modes.map(name => make('button', { onclick: () => {
-    mode = name;
-    pictures = all.filter(picture => picture.mode === mode);
-    fill();
-  } }, name))) : null;
+  const modeBar = modes.length > 1 ? make('div', { class: 'pills' }, modes.map(name => make('button', {
+    'aria-pressed': String(name === mode),
+    onclick: event => {
+      mode = name;
+      pictures = all.filter(picture => picture.mode === mode);
+      [...modeBar.children].forEach(button => button.setAttribute('aria-pressed', String(button === event.currentTarget)));
+      fill();
+    },
+  }, name))) : null;
   const film = take.film ? make('button', { onclick: () => {
     large.replaceChildren(make('video', { src: take.film.src || take.film.href, controls: true, loop: true, autoplay: true, muted: true }));
     caption.textContent = 'film';
