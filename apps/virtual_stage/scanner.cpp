@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -107,6 +108,27 @@ Points seen_colours(const std::vector<RangeSample>& samples, const ScanSubject& 
 
 double coarse_spacing(double spacing) { return 2.0 * spacing; }  // behind the head
 
+int root(std::vector<int>& parent, int v) {
+  while (parent[v] != v) v = parent[v] = parent[parent[v]];
+  return v;
+}
+
+// A surface that was seen faces who saw it: each connected part is turned the way most of its triangles look at their
+// sensors, since the front's own orientation is arbitrary for an open surface.
+void face_sensors(Triangles& triangles, const Points& points, const std::vector<RangeSample>& samples) {
+  std::vector<int> parent(points.rows());
+  std::iota(parent.begin(), parent.end(), 0);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    for (int c = 1; c < 3; ++c) parent[root(parent, triangles(t, c))] = root(parent, triangles(t, 0));
+  std::vector<double> outward(points.rows(), 0.0);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::Vector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)), c = points.row(triangles(t, 2));
+    outward[root(parent, triangles(t, 0))] -= (b - a).cross(c - a).dot(samples[triangles(t, 0)].ray);
+  }
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    if (outward[root(parent, triangles(t, 0))] < 0) std::swap(triangles(t, 1), triangles(t, 2));
+}
+
 // Drops vertices that no triangle uses, so that the file holds a mesh and not a cloud around it.
 void keep_used(Scan& scan, Triangles& triangles) {
   std::vector<int> new_index(scan.mesh.positions.rows(), -1);
@@ -157,6 +179,7 @@ Scan scan_subject(const ScanSubject& subject, const ScanOptions& options) {
   for (const RangeSample& sample : samples) scan.truth.push_back(sample.place);
   constexpr double bridged = 2.6;  // spacings: wide enough to join jittered neighbours, narrow enough to leave holes
   Triangles triangles = surface_through(scan.mesh.positions, bridged * coarse_spacing(spacing));
+  face_sensors(triangles, scan.mesh.positions, samples);
   keep_used(scan, triangles);
   if (options.clutter) {
     Random random(options.seed, clutter_stream);
