@@ -29,16 +29,18 @@ void add_forehead(std::vector<Line>& lines) {
       {"forehead_low", 6}, {"forehead", 1}, {"forehead", 9}, {"forehead_high", 1}};
   int row = 0;
   for (const auto& [landmark, up] : rows) {
-    const double wave = 1.2 * (row++ % 2 ? 1 : -1);
-    lines.push_back({{{landmark, -2, up - 1.0}, {landmark, 10, up + wave * 0.5}, {landmark, 21, up + 1.5}}, 0.95, 1.5, {{frontalis_inner, 1.0}}, 0.05});
-    lines.push_back({{{landmark, 18, up + 1.2}, {landmark, 30, up + 1.8 - wave * 0.4}, {landmark, 44, up - 1.5}}, 0.85, 1.5, {{frontalis_outer, 0.9}}, 0.04});
+    const double wave = 0.7 * (row++ % 2 ? 1 : -1);
+    lines.push_back({{{landmark, -6, up}, {landmark, 9, up + wave}, {landmark, 20, up + 1.0}, {landmark, 32, up}},
+                     0.8, 1.7, {{frontalis_inner, 1.0}}, 0.05});
+    lines.push_back({{{landmark, 10, up + wave}, {landmark, 22, up + 1.0}, {landmark, 34, up}, {landmark, 48, up - 4}},
+                     0.8, 1.7, {{frontalis_outer, 0.9}}, 0.04});
   }
 }
 
 void add_brow(std::vector<Line>& lines) {
-  lines.push_back({{{"4.1", -7.0, -8}, {"4.1", -7.5, 0}, {"4.1", -5.5, 9}}, 1.2, 1.4, {{corrugator, 1.0}, {brow_lowerer, 0.2}}, 0.06});
+  lines.push_back({{{"4.1", -7.0, -8}, {"4.1", -7.5, 0}, {"4.1", -5.5, 9}}, 1.0, 1.6, {{corrugator, 1.0}, {brow_lowerer, 0.2}}, 0.06});
   lines.push_back({{{"4.1", -1.5, 2}, {"4.1", -1.0, 9}}, 0.6, 1.3, {{corrugator, 0.8}}});
-  lines.push_back({{{"sellion", -1, 2.5}, {"sellion", 7, 3.5}}, 0.9, 1.4, {{brow_lowerer, 0.7}, {nose_wrinkler, 0.7}}, 0.05});
+  lines.push_back({{{"sellion", -1, 2.5}, {"sellion", 7, 3.5}}, 0.7, 1.6, {{brow_lowerer, 0.6}, {nose_wrinkler, 0.7}}, 0.05});
   lines.push_back({{{"sellion", -1, -1.5}, {"sellion", 6.5, -0.5}}, 0.6, 1.2, {{brow_lowerer, 0.4}, {nose_wrinkler, 0.8}}});
   for (int i = 0; i < 3; ++i)
     lines.push_back({{{"9.7", -2.0 + 0.5 * i, -4.0 - 4.5 * i}, {"9.7", 4.5 + i, -9.0 - 4.5 * i}}, 0.6, 1.1, {{nose_wrinkler, 1.0}}});
@@ -53,20 +55,20 @@ void add_eye(std::vector<Line>& lines) {
 }
 
 void add_cheek(std::vector<Line>& lines) {
-  lines.push_back({{{"nose_crease_left", 1.5, 3}, {"nose_crease_left", 4.5, -6}, {"nasolabial_high_left", 5, -4}, {"nasolabial_left", 2, 0}, {"nasolabial_low_left", 1, 2}},
-                   1.7, 2.6, {{zygomaticus, 0.8}, {upper_lip_raiser, 0.8}, {nose_wrinkler, 0.7}, {risorius, 0.4}, {cheek_raiser, 0.15}}, 0.10});
-  lines.push_back({{{"nasolabial_left", 9, -1}, {"nasolabial_low_left", 8, 0}, {"nasolabial_low_left", 5, -9}}, 1.0, 2.2,
-                   {{zygomaticus, 0.7}, {risorius, 0.9}, {dimpler, 0.8}}});
+  lines.push_back({{{"nose_crease_left", 1.5, 3}, {"nose_crease_left", 4.5, -6}, {"nasolabial_high_left", 5, -4}, {"nasolabial_left", 3, -1}, {"nasolabial_low_left", 3, 0}},
+                   1.5, 2.8, {{zygomaticus, 0.8}, {upper_lip_raiser, 0.8}, {nose_wrinkler, 0.7}, {risorius, 0.4}, {cheek_raiser, 0.15}}, 0.10});
+  lines.push_back({{{"nasolabial_left", 11, -1}, {"nasolabial_low_left", 10, 0}, {"nasolabial_low_left", 6, -9}}, 0.8, 2.6,
+                   {{zygomaticus, 0.6}, {risorius, 0.9}, {dimpler, 0.8}}});
   lines.push_back({{{"8.3", 3, -3}, {"8.3", 4, -10}, {"mouth_chin_left", 1, 0}}, 1.1, 1.9, {{anguli_depressor, 1.0}, {chin_raiser, 0.25}}, 0.06});
 }
 
 void add_mouth(std::vector<Line>& lines) {
   lines.push_back({{{"labiomental", -2, 1}, {"labiomental", 9, 0}, {"labiomental", 17, -3}}, 1.0, 2.2, {{chin_raiser, 1.0}, {anguli_depressor, 0.3}}, 0.05});
-  const double at[] = {2.5, 6.0, 9.5, 13.0, 17.0};
+  const double at[] = {4.0, 9.0, 14.0, 19.0, 24.0};
   for (const double x : at) {
     const double lean = 0.25 * x;
-    lines.push_back({{{"8.1", 0.75 * x, 2.0 - 0.12 * x}, {"8.1", 0.75 * x + 0.35 * lean, 9.0 - 0.1 * x}}, 0.5, 0.9, {{pucker, 1.0}, {lip_press, 0.25}}});
-    lines.push_back({{{"8.2", 0.75 * x, -2.0 + 0.1 * x}, {"8.2", 0.75 * x + 0.35 * lean, -7.5}}, 0.4, 0.9, {{pucker, 1.0}}});
+    lines.push_back({{{"8.1", 0.75 * x, 2.0 - 0.12 * x}, {"8.1", 0.75 * x + 0.35 * lean, 9.0 - 0.1 * x}}, 0.4, 1.1, {{pucker, 1.0}, {lip_press, 0.25}}});
+    lines.push_back({{{"8.2", 0.75 * x, -2.0 + 0.1 * x}, {"8.2", 0.75 * x + 0.35 * lean, -7.5}}, 0.35, 1.1, {{pucker, 1.0}}});
   }
 }
 

@@ -9,10 +9,10 @@ using Table = std::array<std::vector<Pull>, muscle_count>;
 
 void add_brow(Table& t) {
   // Landmarks 4.1, brow_middle, 4.5: inner, middle and outer brow. The forehead follows, less and less up to the hair.
-  t[int(Muscle::frontalis_inner)] = {{"4.1", {3, 8, 0}, {26, 36, 40}, {0, 8.5, -0.6}, 0.6}};
+  t[int(Muscle::frontalis_inner)] = {{"4.1", {-2, 8, 0}, {31, 38, 40}, {0, 8.0, -0.6}, 0.5}};
   t[int(Muscle::frontalis_outer)] = {{"4.5", {-3, 7, 4}, {28, 36, 40}, {0, 8.0, -1.0}, 0.4}};
-  t[int(Muscle::brow_lowerer)] = {{"brow_middle_left", {-4, 1, 0}, {34, 20, 40}, {-0.6, -6.5, 0.3}, 0.6},
-                                  {"glabella", {2, 0, 0}, {20, 22, 30}, {0, -2.5, 0}, 0.3}};
+  t[int(Muscle::brow_lowerer)] = {{"brow_middle_left", {-4, 2, 0}, {36, 24, 40}, {-0.6, -5.2, 0.3}, 0.5},
+                                  {"glabella", {2, 1, 0}, {22, 24, 30}, {0, -2.2, 0}, 0.2}};
   t[int(Muscle::corrugator)] = {{"4.1", {4, 0, 0}, {22, 17, 30}, {-5.0, -2.0, 0.8}, 1.2}};
 }
 
@@ -28,25 +28,25 @@ void add_eye_and_nose(Table& t) {
 }
 
 void add_upper_mouth(Table& t) {
-  t[int(Muscle::upper_lip_raiser)] = {{"8.5", {-1, 2, 0}, {22, 20, 34}, {0.8, 6.5, -0.6}, 0.6, Layer::above_mouth},
-                                      {"nasolabial_left", {-2, 12, 0}, {18, 20, 30}, {1.0, 3.5, 0.2}, 1.6},
+  t[int(Muscle::upper_lip_raiser)] = {{"8.5", {-4, 2, 0}, {28, 22, 36}, {0.8, 6.0, -0.6}, 0.4, Layer::above_mouth},
+                                      {"nasolabial_left", {0, 13, 0}, {24, 24, 34}, {1.0, 3.5, 0.2}, 1.6},
                                       {"9.1", {2, -2, 0}, {12, 14, 20}, {0.6, 2.0, 0}, 0.3}};
-  t[int(Muscle::zygomaticus)] = {{"8.3", {1, 0, 0}, {27, 22, 40}, {9.0, 7.5, -6.5}, 0.4},
-                                 {"5.3", {-14, -16, 0}, {28, 22, 36}, {1.0, 4.0, 0.8}, 3.6},
-                                 {"8.5", {4, 0, 0}, {20, 16, 30}, {1.5, 0.5, -1.6}, -0.4}};
+  t[int(Muscle::zygomaticus)] = {{"8.3", {3, 2, -2}, {38, 33, 50}, {8.5, 6.5, -6.5}, 0.3},
+                                 {"5.3", {-14, -13, 0}, {31, 26, 38}, {0.6, 4.2, 0.8}, 3.2},
+                                 {"8.5", {2, 0, 0}, {24, 18, 30}, {1.2, 0.4, -1.8}, -0.3}};
   t[int(Muscle::dimpler)] = {{"8.3", {1, 0, 0}, {17, 16, 30}, {4.0, 0.5, -4.0}, -0.8},
                              {"8.3", {9, 1, -3}, {11, 15, 20}, {0, 0, 0}, 1.6}};
-  t[int(Muscle::risorius)] = {{"8.3", {2, -1, 0}, {28, 20, 40}, {9.5, -1.0, -6.5}, 0.0},
-                              {"8.3", {18, -4, -6}, {18, 26, 30}, {1.5, 0, 0}, 1.4}};
+  t[int(Muscle::risorius)] = {{"8.3", {4, -2, -2}, {40, 30, 52}, {9.0, -1.0, -6.5}, 0.0},
+                              {"8.3", {20, -4, -8}, {26, 32, 36}, {1.0, 0, 0}, 1.4}};
 }
 
 void add_lower_mouth(Table& t) {
-  t[int(Muscle::anguli_depressor)] = {{"8.3", {1, -1, 0}, {22, 20, 36}, {2.0, -9.0, -2.0}, 0.0},
-                                      {"mouth_chin_left", {4, 2, 0}, {16, 16, 30}, {0.5, -2.0, 0}, 1.6}};
-  t[int(Muscle::lower_lip_depressor)] = {{"8.7", {-3, 1, 0}, {20, 18, 34}, {1.2, -7.5, 0.4}, 0.6, Layer::below_mouth}};
+  t[int(Muscle::anguli_depressor)] = {{"8.3", {2, -3, 0}, {30, 27, 42}, {2.0, -8.5, -2.4}, 0.0},
+                                      {"mouth_chin_left", {4, 0, 0}, {24, 20, 34}, {0.3, -1.5, 0}, 1.2}};
+  t[int(Muscle::lower_lip_depressor)] = {{"8.7", {-7, 0, 0}, {28, 21, 36}, {1.2, -6.0, 0.4}, 0.3, Layer::below_mouth}};
   t[int(Muscle::chin_raiser)] = {{"2.10", {5, -2, 0}, {22, 17, 30}, {-0.4, 5.0, 1.0}, 1.8, Layer::below_mouth},
                                  {"8.7", {-6, 1, 0}, {22, 14, 30}, {0, 4.2, 1.8}, 0.0, Layer::below_mouth}};
-  t[int(Muscle::cheek_puff)] = {{"nasolabial_low_left", {9, 0, -4}, {32, 32, 40}, {1.5, 0, 0}, 9.0},
+  t[int(Muscle::cheek_puff)] = {{"nasolabial_low_left", {8, 1, -4}, {37, 37, 46}, {1.0, 0, 0}, 8.0},
                                 {"8.5", {-2, 6, 0}, {22, 16, 24}, {0, 0, 0}, 2.2},
                                 {"8.7", {-2, -6, 0}, {22, 16, 24}, {0, 0, 0}, 2.0}};
 }
@@ -74,7 +74,7 @@ LipAction lip_action(Muscle muscle) {
   LipAction a;
   switch (muscle) {
     case Muscle::pucker:
-      a.reach = 27, a.narrow = 0.44, a.forward = 7.5, a.open_upper = 0.6, a.open_lower = 0.8;
+      a.reach = 30, a.narrow = 0.37, a.forward = 7.0, a.open_upper = 0.6, a.open_lower = 0.8;
       break;
     case Muscle::funnel:
       a.reach = 25, a.narrow = 0.24, a.forward = 6.0, a.open_upper = 4.2, a.open_lower = 5.2;
