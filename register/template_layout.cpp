@@ -75,7 +75,7 @@ void weave_eye(Weaver& w) {
 
 void weave_mouth(Weaver& w) {
   static const double hold[] = {20, 50, 50, 50, 20, 20, 10, 5, 5};
-  static const double set_back[] = {0, 0, 0.2, 0.2, 1, 1, 1, 1, 1};  // no crossing of lips in the control mesh
+  static const double set_back[] = {0, 0, 0.2, 0, 1, 1, 1, 1, 1};  // no crossing of lips in the control mesh
   auto& mouth = w.weave.mouth;
   for (int r = 0; r < 9; ++r) mouth[r] = w.add(shape::mouth_ring(r), hold[r], set_back[r]);
   Curve back = shape::mouth_ring(0);

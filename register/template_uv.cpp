@@ -6,6 +6,7 @@
 
 
 #include "register/convex_map.h"
+#include "register/relaxed_map.h"
 
 namespace vultus::registration::layout {
 namespace {
@@ -106,10 +107,10 @@ void set_outline(const Weave& w, CutSkin& skin) {
   }
 }
 
-/// Wished texture scale by distance from the middle of the face: 2 on the face, 1 behind the ears.
+/// Wished texture scale: 5 on the front of the face, falling to 1 behind the ears.
 double wished_scale(const Eigen::Vector3d& p) {
   const double away = std::clamp((20.0 - p.z()) / 90.0, 0.0, 1.0);
-  return 2.2 - 1.2 * away;
+  return 5.0 - 4.0 * away;
 }
 
 CutSkin cut_skin(const Weave& w, const Points& positions) {
@@ -158,9 +159,9 @@ std::vector<int> compacted(Disc& disc) {
   return old;
 }
 
-void add_disc(Disc disc, const std::vector<int>& triangle_of, int rounds, Sheet& sheet) {
+void add_disc(Disc disc, const std::vector<int>& triangle_of, Sheet& sheet) {
   compacted(disc);
-  const Uvs uv = convex_map(disc, rounds);
+  const Uvs uv = relaxed_map(disc, convex_map(disc, 4), 400);
   std::vector<int> row;
   for (int v = 0; v < uv.rows(); ++v) row.push_back(sheet.add(uv.row(v)));
   for (std::size_t t = 0; t < disc.triangles.size(); ++t)
@@ -185,7 +186,7 @@ void add_round(const Weave& w, const Points& positions, const std::vector<int>& 
     const double angle = (along ? 2.0 : -2.0) * M_PI * i / n;
     disc.outline_uv.row(i) = centre + radius * Corner(std::cos(angle), std::sin(angle));
   }
-  add_disc(disc, triangles, 8, sheet);
+  add_disc(disc, triangles, sheet);
 }
 
 std::vector<int> triangles_of(const Weave& w, Patch patch, int side) {
@@ -215,7 +216,7 @@ void add_teeth(const Weave& w, bool upper, const Corner& low, const Corner& high
 TextureLayout texture_layout(const Weave& whole, const Points& positions) {
   Sheet sheet(whole.triangles.size());
   const CutSkin skin = cut_skin(whole, positions);
-  add_disc(skin.disc, skin.triangle, 4, sheet);
+  add_disc(skin.disc, skin.triangle, sheet);
   for (const int side : {0, 1}) {
     const Ring rim = side == 0 ? whole.eyeball[4] : mirrored_ring(whole, whole.eyeball[4]);
     const double u = side == 0 ? 0.27 : 0.10;

@@ -15,8 +15,7 @@ struct TextureLayout {
 
 /// One chart for the skin, cut along the back midline from the neck to the crown, with the face given the most room,
 /// and small charts below it for eyeballs, mouth cavity and teeth. No two triangles overlap and none is flipped: the
-/// charts are convex combination maps over convex outlines (Tutte 1963; Floater 1997), the skin's with weights that
-/// lower the stretch (Yoshizawa, Belyaev, Seidel 2004).
+/// charts are `convex_map`s over convex outlines, then `relaxed_map`s.
 TextureLayout texture_layout(const Weave& whole, const Points& positions);
 
 }  // namespace vultus::registration::layout
