@@ -5,6 +5,8 @@
 namespace vultus::apps {
 
 // One function a command, each in the source of its name.
+void add_demo(CommandTable& table);
+void add_simulate(CommandTable& table);
 void add_onboard(CommandTable& table);
 void add_session(CommandTable& table);
 void add_render(CommandTable& table);

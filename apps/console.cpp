@@ -98,6 +98,7 @@ void Console::say(std::string_view line) {
 void Console::draw(Clock::time_point now) {
   last_drawn_ = now;
   if (quiet_ || stage_.empty()) return;
+  if (!terminal_ && total_ > 0 && done_ >= total_) return;  // the line of the stage's end says it
   const std::size_t done = std::min<std::size_t>(done_, total_ == 0 ? done_.load() : total_);
   std::string line = stage_;
   if (total_ > 0) {

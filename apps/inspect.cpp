@@ -67,7 +67,7 @@ nlohmann::json manifest_facts(const fs::path& file) {
 
 // Every manifest in the folder itself; folders of ours have one, captures may have none.
 nlohmann::json folder_facts(const fs::path& folder) {
-  for (const char* name : {"actor.json", "session.json", "capture.json", "truth.json"}) {
+  for (const char* name : {"actor.json", "session.json", "simulation.json", "capture.json"}) {
     if (fs::exists(folder / name)) return manifest_facts(folder / name);
   }
   std::vector<std::string> scans;
@@ -75,7 +75,7 @@ nlohmann::json folder_facts(const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(folder / "scans"))
       scans.push_back(entry.path().filename().string());
   }
-  if (scans.empty()) throw InputError(folder, "is no actor, session or capture folder");
+  if (scans.empty()) throw InputError(folder, "is no actor, session, simulation or capture folder");
   std::sort(scans.begin(), scans.end());
   return {{"kind", "capture"}, {"scans", scans}};
 }

@@ -44,6 +44,7 @@ void add_onboard(CommandTable& table) {
       ->type_name("POSE…")
       ->expected(1, 1000);
   add_choice(app, "--method", options->method, "How scans are brought to the template", {"default", "zhu"});
+  add_choice(app, "--transfer", options->transfer, "How motion comes from the databank", {"gradient", "zhu"});
   app.add_option("--regions", options->regions, "Regions the face is divided into")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -102,8 +102,10 @@ class Onboarding {
       const bool is_there = std::find(kept.begin(), kept.end(), name) != kept.end();
       if (!is_there && is_wanted(name, options_)) wanted.push_back(name);
     }
-    const TransferredPoses transferred = transfer_poses(*databank_, options_.databank, wanted, writer_, progress_);
+    const TransferredPoses transferred =
+        transfer_poses(*databank_, options_.databank, wanted, options_.transfer, writer_, progress_);
     result_.transferred = transferred.transferred;
+    decisions_ = transferred.decisions;
     result_.reused += transferred.reused;
     kept.insert(kept.end(), wanted.begin(), wanted.end());
   }
@@ -137,7 +139,7 @@ class Onboarding {
     result_.report = {{"template", template_name},
                       {"method", options_.method},
                       {"poses", poses},
-                      {"decisions", json::array()},
+                      {"decisions", decisions_},
                       {"warnings", warnings}};
     write_json(options_.actor / "report/registration.json", result_.report);
     writer_.manifest().record("report/registration.json", {"onboard", json::object(), {}});
@@ -158,6 +160,7 @@ class Onboarding {
   Capture capture_;
   std::optional<rig::Actor> databank_;
   rig::ActorWriter writer_;
+  std::vector<std::string> decisions_;
   OnboardResult result_;
 };
 

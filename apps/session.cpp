@@ -45,8 +45,9 @@ void add_session(CommandTable& table) {
          "--training", options->training,
          "Take in which the mocap actor shows the database's poses (with training.json beside it, else they are found)")
       ->type_name("FILE");
-  app.add_option("--markers", options->markers,
-                 "JSON that says where markers sit on the actor (default: the actor's own)")
+  app.add_option(
+         "--markers", options->markers,
+         "JSON that says where markers sit on the actor (default: markers.json beside the takes, else the actor's own)")
       ->type_name("FILE");
   app.add_option("--neutral", options->neutral_frame,
                  "Frame of the first take that shows the neutral, from 0 (without a training take; default: found)")

@@ -39,12 +39,20 @@ std::vector<SessionTake> performances(const std::vector<SessionTake>& takes, con
   return result;
 }
 
+// What a studio delivers lies together: markers.json beside the takes says where the markers sit.
+fs::path marker_file(const SessionOptions& options) {
+  if (!options.markers.empty()) return options.markers;
+  const fs::path beside = options.takes.front().parent_path() / "markers.json";
+  return fs::exists(beside) ? beside : fs::path();
+}
+
 std::map<std::string, std::string> shared_inputs(const SessionOptions& options, const std::vector<SessionTake>& takes,
                                                  const Manifest& session) {
   std::map<std::string, std::string> inputs = {{"actor", sha256_of_file(options.actor / "actor.json")},
                                                {options.training.empty() ? "neutral take" : "training",
                                                 session.hash(take_artefact(takes.front().name, "clean.c3d"))}};
-  if (!options.markers.empty()) inputs["markers"] = sha256_of_file(options.markers);
+  const fs::path markers = marker_file(options);
+  if (!markers.empty()) inputs["markers"] = sha256_of_file(markers);
   const fs::path list = options.training.empty() ? fs::path() : training_list(options.training);
   if (!list.empty()) inputs["training poses"] = sha256_of_file(list);
   return inputs;
@@ -124,7 +132,7 @@ class Session {
     const bool training = !options_.training.empty();
     basis_ =
         session_basis(training ? training_poses(first, *actor_) : neutral_only(first, options_.neutral_frame, *actor_),
-                      training, options_.markers, *actor_);
+                      training, marker_file(options_), *actor_);
     rig::write_markers(manifest_.folder() / "markers.json", basis_->placement.by_label());
     manifest_.record("markers.json", provenance_);
     manifest_.facts()["decisions"] = basis_->decisions;

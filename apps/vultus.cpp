@@ -3,6 +3,8 @@
 int main(int argc, char** argv) {
   using namespace vultus::apps;
   CommandTable table;
+  add_demo(table);
+  add_simulate(table);
   add_onboard(table);
   add_session(table);
   add_render(table);

@@ -47,6 +47,7 @@ FrameRange range_of(const SequenceOptions& options, int frames) {
   const int last = options.last < 0 ? frames : options.last;
   if (options.first < 0 || options.first >= last || last > frames)
     throw UsageError(fmt::format("frames {}:{} are not in the take, which has 0:{}", options.first, last, frames));
+  if (options.step < 1) throw UsageError("the step between frames must be at least 1");
   return {options.first, last};
 }
 
@@ -81,8 +82,8 @@ SequenceResult render_sequence(const rig::Actor& actor, const retarget::Weights&
   Scene scene = actor_scene(actor, options);
   WithinFrame within(progress);
   SequenceResult result;
-  progress.begin("rendering frames", static_cast<std::size_t>(range.last - range.first));
-  for (int frame = range.first; frame < range.last; ++frame) {
+  progress.begin("rendering frames", static_cast<std::size_t>((range.last - range.first - 1) / options.step + 1));
+  for (int frame = range.first; frame < range.last; frame += options.step) {
     progress.check();
     const std::string name = fmt::format("{:06}", frame);
     const std::string exr = name + ".exr", png = name + ".png";

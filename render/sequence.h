@@ -15,6 +15,7 @@ namespace vultus::render {
 
 struct SequenceOptions {
   int first = 0, last = -1;  ///< frames [first, last); last -1: to the end of the take
+  int step = 1;              ///< every step-th frame from `first`, ≥ 1
   PortraitOptions portrait;  ///< framed on the neutral and then fixed
   PathTracerOptions tracer;
   std::filesystem::path environment;  ///< lat-long HDR; empty: `Environment::studio`
