@@ -55,6 +55,12 @@ void write_all(int descriptor, std::string_view content, const fs::path& file) {
   }
 }
 
+// A device or a pipe: renaming a file over it would destroy it.
+bool is_special(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error) && !fs::is_regular_file(file, error) && !fs::is_directory(file, error);
+}
+
 int line_of_byte(std::string_view text, std::size_t byte) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + std::min(byte, text.size()), '\n'));
 }
@@ -101,6 +107,11 @@ std::string read_file(const fs::path& file, std::size_t limit) {
 }
 
 void write_file(const fs::path& file, std::string_view content) {
+  if (is_special(file)) {
+    Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+    if (descriptor < 0) throw OutputError(file, reason());
+    return write_all(descriptor, content, file);
+  }
   write_file_with(file, [&](const fs::path& temporary) {
     Descriptor descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (descriptor < 0) throw OutputError(file, reason());
@@ -113,6 +124,7 @@ void write_file_with(const fs::path& file, const std::function<void(const fs::pa
   if (file.filename().empty()) throw OutputError(file, "is not a file name");
   std::error_code error;
   if (fs::is_directory(file, error)) throw OutputError(file, "is a folder");
+  if (is_special(file)) throw OutputError(file, "is not a regular file");
   if (file.has_parent_path()) make_folder(file.parent_path());
   const fs::path temporary = temporary_beside(file);
   try {

@@ -16,7 +16,8 @@ namespace vultus {
 std::string read_file(const std::filesystem::path& file, std::size_t limit = std::size_t{8} << 30);
 
 /// Writes through a temporary file in the same folder and renames it over `file`, so that a reader sees the old or
-/// the new content, never a part. Makes missing parent folders. Throws `OutputError`; nothing half-written stays.
+/// the new content, never a part. Makes missing parent folders. Devices and pipes are written straight. Throws
+/// `OutputError`; nothing half-written stays.
 void write_file(const std::filesystem::path& file, std::string_view content);
 /// The same for writers that need a path: `write` gets a temporary path with `file`'s extension.
 void write_file_with(const std::filesystem::path& file, const std::function<void(const std::filesystem::path&)>& write);

@@ -62,6 +62,13 @@ TEST(Files, OutputThatCannotBeIsAnOutputError) {
   EXPECT_THROW(write_file(folder.path(), "x"), OutputError);
 }
 
+TEST(Files, DevicesAreWrittenStraightAndStayDevices) {
+  EXPECT_NO_THROW(write_file("/dev/null", "x"));
+  EXPECT_THROW(write_file("/dev/full", "x"), OutputError);
+  EXPECT_THROW(write_file_with("/dev/null", [](const std::filesystem::path&) {}), OutputError);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
 TEST(Files, ReadRefusesFilesAboveTheLimit) {
   const TemporaryFolder folder;
   folder.put("a", "12345");
