@@ -53,7 +53,7 @@ Eigen::Vector3f studio_radiance(const Eigen::Vector3f& direction) {
 }  // namespace
 
 Environment Environment::studio(double rotation, double intensity) {
-  constexpr int width = 512, height = 256;
+  constexpr int width = 256, height = 128;  // small enough to stay in the cache
   Image image = Image::rgb(width, height);
   for (int y = 0; y < height; ++y) {
     const float theta = std::numbers::pi_v<float> * (static_cast<float>(y) + 0.5f) / height;

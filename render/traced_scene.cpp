@@ -98,6 +98,7 @@ struct TracedScene::Impl {
           geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions.size()));
       auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
           geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.rows()));
+      if (!vertices || !indices) throw Error("Embree could not hold the mesh: not enough memory");
       for (std::size_t v = 0; v < positions.size(); ++v) std::copy_n(positions[v].data(), 3, vertices + 3 * v);
       for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         const auto corner = triangles.row(t);
