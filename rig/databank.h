@@ -26,9 +26,10 @@ struct Databank {
 /// - `mouthClose` closes the lips of an open jaw and is no face by itself: it becomes neutral + jawOpen + mouthClose.
 /// - The model's texture tiles share one unit square; they are laid side by side, the face in [0, ¾]², so that a texel
 ///   belongs to one part only.
-/// - Vertex sets: `face`, `face_narrow`, `head_neck`, `skin` (both), `rigid`, `lips`, `lips_upper`, `lips_lower`,
-///   `lids_left`, `lids_right`, `eyeball_left/right`, `eyeballs`, `mouth_socket`, `eye_socket_left/right`, `gums_tongue`,
-///   `teeth`, `lacrimal_…`, `eye_blend_…`, `eye_occlusion_…`, `eyelashes_…`, `hidden` (what no scanner sees).
+/// - Vertex sets: `face`, `face_narrow`, `head_neck`, `skin` (both), `rigid`, `lips`, `upper_lip`, `lower_lip`, `lids`,
+///   `lids_left`, `lids_right`, `eyeballs` and `eyeball_…`, `sclera_…`, `iris_…`, `eye_socket_…`, `lacrimal_…`,
+///   `eye_blend_…`, `eye_occlusion_…`, `eyelashes_…` (each `left` and `right`), `mouth_cavity`, `gums_tongue`, `teeth`,
+///   `teeth_upper`, `teeth_lower`, `hidden` (what no scanner sees).
 /// Left is the subject's. Throws `InputError` for another topology.
 Databank read_ict_facekit(const std::filesystem::path& folder, Progress& progress = Progress::none());
 

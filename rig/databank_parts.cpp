@@ -23,7 +23,7 @@ struct Part {
 constexpr std::array<Part, 19> kParts = {{
     {"face", 0, 9409, 0.0, 0.0, 0.75},
     {"head_neck", 9409, 11248, 0.75, 0.0, 0.25},
-    {"mouth_socket", 11248, 13294, 0.75, 0.0, 0.25},
+    {"mouth_cavity", 11248, 13294, 0.75, 0.0, 0.25},
     {"eye_socket_left", 13294, 13678, 0.75, 0.0, 0.25},
     {"eye_socket_right", 13678, 14062, 0.75, 0.0, 0.25},
     {"gums_tongue", 14062, 17039, 0.75, 0.25, 0.25},
@@ -41,7 +41,7 @@ constexpr std::array<Part, 19> kParts = {{
     {"eyelashes_left", 25351, 26035, 0.25, 0.875, 0.125},
     {"eyelashes_right", 26035, 26719, 0.375, 0.875, 0.125},
 }};
-constexpr int kNarrowFaceEnd = 6706;
+constexpr int kNarrowFaceEnd = 6706, kLowerTeethBegin = 19247;
 
 // A polygon at the border of two parts is counted with the later one, whose tile its corners use: the model's polygons
 // follow the same order as its vertices, and a later part borrows the border vertices of an earlier one.
@@ -87,7 +87,7 @@ void add_lips(VertexSets& sets, const FaceGraph& graph, const registration::Ibug
   for (int i : lower) sources.push_back(ibug68[i]);
   const EdgeDistances nearest = edge_distances(graph.adjacency, graph.positions, sources, lips);
   for (int v : sets["lips"])
-    if (nearest.source[v] >= 0) sets[nearest.source[v] < 7 ? "lips_upper" : "lips_lower"].push_back(v);
+    if (nearest.source[v] >= 0) sets[nearest.source[v] < 7 ? "upper_lip" : "lower_lip"].push_back(v);
 }
 
 /// The skin within a fifth of the eye's width of its opening.
@@ -108,11 +108,13 @@ VertexSets ict_vertex_sets(const Topology& topology, const Points& positions, co
   VertexSets sets;
   for (const Part& part : kParts) sets[part.name] = range(part.begin, part.end);
   sets["face_narrow"] = range(0, kNarrowFaceEnd);
+  sets["teeth_upper"] = range(sets["teeth"].front(), kLowerTeethBegin);
+  sets["teeth_lower"] = range(kLowerTeethBegin, sets["teeth"].back() + 1);
   sets["skin"] = joined(sets, {"face", "head_neck"});
   sets["eyeball_left"] = joined(sets, {"sclera_left", "iris_left"});
   sets["eyeball_right"] = joined(sets, {"sclera_right", "iris_right"});
   sets["eyeballs"] = joined(sets, {"eyeball_left", "eyeball_right"});
-  sets["hidden"] = joined(sets, {"mouth_socket", "eye_socket_left", "eye_socket_right", "gums_tongue", "teeth",
+  sets["hidden"] = joined(sets, {"mouth_cavity", "eye_socket_left", "eye_socket_right", "gums_tongue", "teeth",
                                  "lacrimal_left", "lacrimal_right", "eye_blend_left", "eye_blend_right",
                                  "eye_occlusion_left", "eye_occlusion_right", "eyelashes_left", "eyelashes_right"});
   std::sort(rigid.begin(), rigid.end());
@@ -123,6 +125,7 @@ VertexSets ict_vertex_sets(const Topology& topology, const Points& positions, co
   add_lips(sets, graph, ibug68);
   add_lids(sets, graph, ibug68, 36, "lids_right");
   add_lids(sets, graph, ibug68, 42, "lids_left");
+  sets["lids"] = joined(sets, {"lids_left", "lids_right"});
   return sets;
 }
 

@@ -41,8 +41,8 @@ std::vector<Place> places_of(const Face& face) {
       {"eye", face.all({36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47})},
       {"nose", face.all({28, 29, 30, 31, 33, 35})},
       {"mouth", face.all({48, 54, 60, 64})},
-      {"lip_upper", face.all({50, 51, 52, 61, 62, 63})},
-      {"lip_lower", face.all({56, 57, 58, 65, 66, 67})},
+      {"upper_lip", face.all({50, 51, 52, 61, 62, 63})},
+      {"lower_lip", face.all({56, 57, 58, 65, 66, 67})},
       {"jaw", face.all({7, 8, 9})}};
   // The cheeks have no points of their own: below the outer eye corner at the height between eye and mouth.
   if (face.has({36, 45, 48, 54}))

@@ -1,6 +1,8 @@
 #include "rig/segmentation.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -104,15 +106,22 @@ std::vector<int> cluster(const Eigen::MatrixXd& rows, const Eigen::VectorXd& wei
 
 /// Makes the side x < 0 the mirror image of the other after borders moved.
 void copy_side(const std::vector<int>& mirror, const Points& rest, Patches& patches) {
-  std::vector<std::vector<int>> votes(patches.count, std::vector<int>(patches.count, 0));
+  std::vector<std::map<int, int>> votes(patches.count);
   for (std::size_t v = 0; v < patches.labels.size(); ++v)
     if (patches.labels[v] >= 0 && patches.labels[mirror[v]] >= 0) ++votes[patches.labels[v]][patches.labels[mirror[v]]];
-  std::vector<int> other(patches.count);
-  for (int p = 0; p < patches.count; ++p)
-    other[p] = static_cast<int>(std::max_element(votes[p].begin(), votes[p].end()) - votes[p].begin());
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const std::vector<int> old = patches.labels;
-  for (int v = 0; v < static_cast<int>(old.size()); ++v)
-    if (old[v] >= 0 && rest(v, 0) < 0.0 && mirror[v] != v && old[mirror[v]] >= 0) patches.labels[v] = other[old[mirror[v]]];
+  for (int v = 0; v < static_cast<int>(old.size()); ++v) {
+    if (old[v] < 0 || rest(v, 0) >= 0.0 || mirror[v] == v || old[mirror[v]] < 0) continue;
+    const auto& images = votes[old[mirror[v]]];
+    if (!images.empty()) patches.labels[v] = std::max_element(images.begin(), images.end(), fewer)->first;
+  }
+}
+
+int patches_left(const Patches& patches) {
+  std::set<int> used(patches.labels.begin(), patches.labels.end());
+  used.erase(-1);
+  return static_cast<int>(used.size());
 }
 
 struct Problem {
@@ -160,10 +169,12 @@ Patches segment_motion(const Problem& problem, const Segmentation& so_far) {
   const Eigen::VectorXd weights = importance(so_far.field);
   Patches patches = patches_of(problem, rows, weights, so_far.moving, clusters);
   merge_least_variance(problem.moving_adjacency, rows, weights, problem.mirror, problem.goal, patches);
-  refine_borders(problem.moving_adjacency, problem.actor.neutral(), rows, weights, kBorderStiffness,
-                 kRefiningRounds, patches);
-  if (!problem.mirror.empty()) copy_side(problem.mirror, problem.rest(), patches);
-  return patches;
+  Patches refined = patches;
+  refine_borders(problem.moving_adjacency, problem.actor.neutral(), rows, weights, kBorderStiffness, kRefiningRounds,
+                 refined);
+  if (!problem.mirror.empty()) copy_side(problem.mirror, problem.rest(), refined);
+  // A patch that is all border would vanish, and one merged on one side alone has no image: borders then stay rough.
+  return patches_left(refined) == patches.count ? refined : patches;
 }
 
 /// Gives every vertex a region and numbers regions by first vertex.

@@ -92,9 +92,9 @@ TEST_F(IctFaceKit, SetsAreWhatTheirNamesSay) {
     return std::binary_search(vertices.begin(), vertices.end(), points[landmark]);
   };
   for (int i = 48; i < 68; ++i) EXPECT_TRUE(contains("lips", i)) << i;
-  EXPECT_TRUE(contains("lips_upper", 51));
-  EXPECT_FALSE(contains("lips_upper", 57));
-  EXPECT_TRUE(contains("lips_lower", 57));
+  EXPECT_TRUE(contains("upper_lip", 51));
+  EXPECT_FALSE(contains("upper_lip", 57));
+  EXPECT_TRUE(contains("lower_lip", 57));
   EXPECT_TRUE(contains("lids_right", 37));
   EXPECT_TRUE(contains("lids_left", 44));
   EXPECT_FALSE(contains("lips", 33));

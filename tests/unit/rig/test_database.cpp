@@ -172,13 +172,14 @@ TEST_F(Database, AWriteCutShortIsFinishedByTheNextReader) {
   }
   const std::string new_bytes = read_file(pose);
 
-  nlohmann::json announced = nlohmann::json::parse(old_manifest);
-  announced["facts"]["pending"] = {
-      {"provenance", {{"command", "onboard"}, {"options", {{"method", "default"}}}, {"inputs", {{"scan", "b"}}}}},
-      {"files", {{"poses/jawOpen.ply", sha256_of_bytes(new_bytes)}}}};
-  write_file(folder_ / "actor.json", announced.dump());
+  write_file(folder_ / "actor.json", old_manifest);
   write_file(pose, old_bytes);
   write_file(folder_ / ".pending/poses/jawOpen.ply", new_bytes);
+  Manifest announced = Manifest::open(folder_ / "actor.json", "actor");
+  announced.facts()["pending"] = {
+      {"provenance", {{"command", "onboard"}, {"options", {{"method", "default"}}}, {"inputs", {{"scan", "b"}}}}},
+      {"files", {{"poses/jawOpen.ply", sha256_of_bytes(new_bytes)}}}};
+  announced.save();
 
   EXPECT_EQ(load_actor(folder_).poses[1].positions, changed.positions);
   EXPECT_EQ(read_file(pose), old_bytes) << "reading writes nothing";
