@@ -14,22 +14,28 @@ namespace vultus::mocap {
 /// lengths, gaps are cut at random places into one marker and up to three of its neighbours, filled, and compared.
 class GapErrors {
  public:
-  using Method = std::function<std::optional<Points>(const TakeView&, const Gap&)>;
+  using Method = std::function<std::optional<Guess>(const TakeView&, const Gap&)>;
 
-  /// Lengths up to `longest` frames; `trials` gaps for each length and kind (inside the take, at an edge).
-  GapErrors(const Take& take, const RigidGroups& groups, const Method& method, int longest, int trials,
+  /// Lengths up to `longest` frames, each `growth` times the one before; `trials` gaps for each length and kind
+  /// (inside the take, at an edge).
+  GapErrors(const Take& take, const RigidGroups& groups, const Method& method, int longest, int trials, int growth,
             std::uint64_t seed);
 
-  /// Error in mm that 70 % of the samples at `frame` of such a gap stay below; grows with the length beyond the
-  /// longest gap that could be tried. Infinite when nothing could be tried.
-  double expected(const Take& take, const Gap& gap, int frame) const;
+  /// Error in mm that 70 % of the samples at `frame` of such a gap stay below, given the method's own `scale` there;
+  /// grows with the length beyond the longest gap that could be tried. Infinite when nothing could be tried.
+  double expected(const Take& take, const Gap& gap, int frame, double scale) const;
+
+  /// The same averaged over places of a gap inside the take, for the scale that the trials had: to compare methods.
+  double typical(int length) const;
 
  private:
   static constexpr int kPlaces = 4;  ///< from the gap's end to its middle
   struct Row {
     int length;
-    double error[kPlaces];
+    double error[kPlaces];  ///< per unit of scale
+    double typical;         ///< mm
   };
+  static double interpolated(const std::vector<Row>& rows, int length, const std::function<double(const Row&)>& value);
   std::vector<Row> inside_, edge_;
   std::vector<double> marker_factor_;
 };

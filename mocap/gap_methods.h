@@ -9,10 +9,16 @@
 
 namespace vultus::mocap {
 
-/// Cubic Hermite curve over the gap; the velocities at its ends are those of parabolas fitted to up to five samples
-/// beside it. A gap at the take's edge holds the nearest sample. Rows are the gap's frames, mm; nothing when the marker
-/// is never seen beside the gap.
-std::optional<Points> spline_fill(const TakeView& view, const Gap& gap);
+/// What a method puts into a gap.
+struct Guess {
+  Points places;          ///< one row a frame of the gap, mm
+  Eigen::VectorXd scale;  ///< one a frame: the method's own idea of its error; only ratios matter
+};
+
+/// Cubic Hermite curve over the gap; the velocities at its ends are those of parabolas fitted to up to `window`
+/// samples beside it (≥ 2). A gap at the take's edge holds the nearest sample. Rows are the gap's frames, mm; nothing
+/// when the marker is never seen beside the gap.
+std::optional<Points> spline_fill(const TakeView& view, const Gap& gap, int window = 5);
 
 /// For each marker, the others in the order in which they suit to carry it: those whose distance to it changes least
 /// first (robust deviation, mm), near ones before far ones.

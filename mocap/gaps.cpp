@@ -4,74 +4,179 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/error.h"
 #include "mocap/gap_errors.h"
 #include "mocap/gap_methods.h"
+#include "mocap/gap_regression.h"
+#include "mocap/gap_trials.h"
 
 namespace vultus::mocap {
 
 namespace {
 
-constexpr int kLongestTrial = 1024;  // frames; errors of longer gaps grow from there
-
-struct Filler {
-  const Take& take;
-  const FillOptions& options;
-  RigidGroups groups;
-  GapErrors spline_errors, group_errors;
-
-  Filler(const Take& t, const FillOptions& o, int longest_spline, int longest)
-      : take(t),
-        options(o),
-        groups(t),
-        spline_errors(
-            t, groups, [](const TakeView& view, const Gap& gap) { return spline_fill(view, gap); }, longest_spline,
-            o.trials, o.seed),
-        group_errors(
-            t, groups,
-            [this](const TakeView& view, const Gap& gap) {
-              return rigid_group_fill(view, gap, groups, options.group_size);
-            },
-            longest, o.trials, o.seed + 1) {}
-};
+constexpr int kLongestTrial = 1024;       // frames; errors of longer gaps grow from there
+constexpr int kRegressionTrials = 48;     // of each length: regression costs some milliseconds a gap
+constexpr int kManyGaps = 4000;           // above this, short gaps are left to splines for speed
+constexpr double kWorthRegression = 0.8;  // of the spline's error
 
 bool at_edge(const Take& take, const Gap& gap) { return gap.first == 0 || gap.last + 1 == take.frames(); }
 
-/// Fills one gap of `filled.take` in place; samples of other markers are read from the take as measured.
-void fill(const Filler& filler, int longest_spline, Gap& gap, Filled& filled) {
-  const TakeView view{filler.take, {}};
-  const bool short_gap = gap.frames() <= longest_spline && !at_edge(filler.take, gap);
-  std::optional<Points> points;
-  const GapErrors* errors = nullptr;
-  if (short_gap) {
-    points = spline_fill(view, gap);
-    errors = &filler.spline_errors;
-    gap.method = Origin::spline;
+Guess with_unit_scale(const Points& places) { return {places, Eigen::VectorXd::Ones(places.rows())}; }
+
+/// Samples on each side that a spline's velocities are fitted to, by trial: few on smooth takes, more on noisy ones.
+int best_spline_window(const Take& take, const RigidGroups& groups, int length, std::uint64_t seed) {
+  const std::vector<GapTrial> trials = cut_trials(take, groups, std::max(1, length / 2), false, 100, seed);
+  int best = 5;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int window : {5, 2, 3, 8}) {
+    double error = 0.0;
+    for (const GapTrial& trial : trials) {
+      const auto places = spline_fill({take, trial.hidden}, trial.gap, window);
+      if (!places) continue;
+      for (int f = trial.gap.first; f <= trial.gap.last; ++f) {
+        error += (places->row(f - trial.gap.first).transpose() - take.at(f, trial.gap.marker)).norm();
+      }
+    }
+    if (error < least) {
+      least = error;
+      best = window;
+    }
   }
-  if (!points) {
-    points = rigid_group_fill(view, gap, filler.groups, filler.options.group_size);
-    errors = &filler.group_errors;
-    gap.method = Origin::rigid_group;
+  return best;
+}
+
+/// The methods, ready for one take, each with what it is worth there.
+class Methods {
+ public:
+  Methods(const Take& take, const std::vector<Gap>& gaps, const FillOptions& options)
+      : take_(take),
+        options_(options),
+        groups_(take),
+        longest_spline_(static_cast<int>(std::floor(options.spline_seconds * take.rate_hz + 1e-9))) {
+    int longest = 1, others = 0;
+    for (const Gap& gap : gaps) {
+      if (gap.frames() < take.frames()) longest = std::max(longest, gap.frames());
+      others += !is_short(gap);
+    }
+    longest = std::min({longest, kLongestTrial, std::max(1, take.frames() / 2)});
+    window_ = best_spline_window(take, groups_, longest_spline_, options.seed);
+    spline_errors_ = errors([this](const TakeView& v, const Gap& g) { return spline(v, g); },
+                            std::max(1, longest_spline_), options.trials, 2, 0);
+    group_errors_ =
+        errors([this](const TakeView& v, const Gap& g) { return rigid_group(v, g); }, longest, options.trials, 2, 1);
+    const bool few = gaps.size() <= kManyGaps;
+    const bool wanted = options.method == GapMethod::low_rank || options.method == GapMethod::automatic;
+    if (!wanted || (others == 0 && !few)) return;
+    first_pass(gaps);
+    // Cost grows with the cube of the frames used: spend what the number of gaps allows.
+    regression_ = std::make_unique<GapRegression>(take, guess_, std::clamp(400000 / std::max(1, others), 60, 160));
+    kernel_ = regression_->prepared(regression_->fitted(groups_, options.seed));
+    regression_errors_ = errors([this](const TakeView& v, const Gap& g) { return low_rank(v, g); }, longest,
+                                std::min(options.trials, kRegressionTrials), 3, 2);
+    short_by_regression_ = few;
   }
-  if (!points && gap.frames() <= longest_spline) {
-    points = spline_fill(view, gap);
-    errors = &filler.spline_errors;
-    gap.method = Origin::spline;
+
+  /// Methods to try on a gap, in order.
+  std::vector<Origin> order(const Gap& gap) const {
+    const bool fits_spline = gap.frames() <= longest_spline_;
+    std::vector<Origin> result;
+    const auto add = [&](Origin origin) {
+      if (std::find(result.begin(), result.end(), origin) == result.end()) result.push_back(origin);
+    };
+    const double by_spline = spline_errors_->typical(gap.frames()), by_group = group_errors_->typical(gap.frames());
+    const double by_regression = regression_ ? regression_errors_->typical(gap.frames()) : 1e9;
+    if (options_.method == GapMethod::spline && fits_spline) add(Origin::spline);
+    if (options_.method == GapMethod::low_rank && regression_) add(Origin::low_rank);
+    if (options_.method == GapMethod::spline) return result;
+    if (is_short(gap) && (!short_by_regression_ || by_regression > kWorthRegression * by_spline)) add(Origin::spline);
+    if (options_.method == GapMethod::automatic && regression_ && by_regression <= by_group) add(Origin::low_rank);
+    add(Origin::rigid_group);
+    if (options_.method == GapMethod::automatic && regression_) add(Origin::low_rank);
+    if (fits_spline) add(Origin::spline);
+    return result;
   }
-  for (int f = gap.first; points && f <= gap.last; ++f) {
-    gap.expected_error = std::max(gap.expected_error, errors->expected(filler.take, gap, f));
+
+  std::optional<Guess> guess(Origin method, const Gap& gap) const {
+    const TakeView view{take_, {}};
+    if (method == Origin::spline) return spline(view, gap);
+    return method == Origin::low_rank ? low_rank(view, gap) : rigid_group(view, gap);
   }
-  if (!points || !points->allFinite() || !(gap.expected_error <= filler.options.hole_above_mm)) {
-    gap.method = Origin::missing;
-    gap.expected_error = 0.0;
+
+  double expected(Origin method, const Gap& gap, int frame, double scale) const {
+    const GapErrors& known = method == Origin::spline     ? *spline_errors_
+                             : method == Origin::low_rank ? *regression_errors_
+                                                          : *group_errors_;
+    return known.expected(take_, gap, frame, scale);
+  }
+
+ private:
+  bool is_short(const Gap& gap) const { return gap.frames() <= longest_spline_ && !at_edge(take_, gap); }
+
+  std::unique_ptr<GapErrors> errors(const GapErrors::Method& method, int longest, int trials, int growth,
+                                    std::uint64_t offset) const {
+    return std::make_unique<GapErrors>(take_, groups_, method, longest, trials, growth, options_.seed + offset);
+  }
+
+  std::optional<Guess> spline(const TakeView& view, const Gap& gap) const {
+    const auto places = spline_fill(view, gap, window_);
+    return places ? std::optional<Guess>(with_unit_scale(*places)) : std::nullopt;
+  }
+
+  std::optional<Guess> rigid_group(const TakeView& view, const Gap& gap) const {
+    const auto places = rigid_group_fill(view, gap, groups_, options_.group_size);
+    return places ? std::optional<Guess>(with_unit_scale(*places)) : std::nullopt;
+  }
+
+  std::optional<Guess> low_rank(const TakeView& view, const Gap& gap) const {
+    return regression_->fill(view, gap, kernel_);
+  }
+
+  /// All gaps filled without regard to errors: inputs for the regression.
+  void first_pass(const std::vector<Gap>& gaps) {
+    guess_ = take_;
+    tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t i) {
+      const Gap& gap = gaps[i];
+      auto filled = guess(is_short(gap) ? Origin::spline : Origin::rigid_group, gap);
+      if (!filled && gap.frames() <= longest_spline_) filled = guess(Origin::spline, gap);
+      for (int f = gap.first; filled && f <= gap.last; ++f) {
+        guess_.set(f, gap.marker, filled->places.row(f - gap.first).transpose());
+      }
+    });
+  }
+
+  const Take& take_;
+  const FillOptions& options_;
+  RigidGroups groups_;
+  int longest_spline_, window_ = 5;
+  bool short_by_regression_ = false;
+  Take guess_;
+  std::unique_ptr<GapRegression> regression_;
+  PreparedKernel kernel_;
+  std::unique_ptr<GapErrors> spline_errors_, group_errors_, regression_errors_;
+};
+
+/// Fills one gap in place by the first method that can and is good enough.
+void fill(const Methods& methods, const FillOptions& options, Gap& gap, Filled& filled) {
+  for (const Origin method : methods.order(gap)) {
+    const auto guess = methods.guess(method, gap);
+    if (!guess || !guess->places.allFinite()) continue;
+    std::vector<double> expected;
+    for (int f = gap.first; f <= gap.last; ++f) {
+      expected.push_back(methods.expected(method, gap, f, guess->scale(f - gap.first)));
+    }
+    const double largest = *std::max_element(expected.begin(), expected.end());
+    if (!(largest <= options.hole_above_mm)) continue;
+    gap.method = method;
+    gap.expected_error = largest;
+    for (int f = gap.first; f <= gap.last; ++f) {
+      const std::size_t i = filled.take.index(f, gap.marker);
+      filled.take.set(f, gap.marker, guess->places.row(f - gap.first).transpose());
+      filled.origins[i] = method;
+      filled.expected_errors[i] = static_cast<float>(expected[static_cast<std::size_t>(f - gap.first)]);
+    }
     return;
-  }
-  for (int f = gap.first; f <= gap.last; ++f) {
-    const std::size_t i = filler.take.index(f, gap.marker);
-    filled.take.set(f, gap.marker, points->row(f - gap.first).transpose());
-    filled.origins[i] = gap.method;
-    filled.expected_errors[i] = static_cast<float>(errors->expected(filler.take, gap, f));
   }
 }
 
@@ -108,15 +213,9 @@ Filled fill_gaps(const Take& take, const FillOptions& options) {
                  [](std::uint8_t here) { return here != 0 ? Origin::measured : Origin::missing; });
   filled.expected_errors.assign(take.present.size(), 0.0F);
   if (filled.gaps.empty()) return filled;
-  int longest = 1;
-  for (const Gap& gap : filled.gaps) {
-    if (gap.frames() < take.frames()) longest = std::max(longest, gap.frames());
-  }
-  const int longest_spline = static_cast<int>(std::floor(options.spline_seconds * take.rate_hz + 1e-9));
-  const Filler filler(take, options, std::max(1, longest_spline),
-                      std::min({longest, kLongestTrial, std::max(1, take.frames() / 2)}));
+  const Methods methods(take, filled.gaps, options);
   tbb::parallel_for(std::size_t{0}, filled.gaps.size(),
-                    [&](std::size_t i) { fill(filler, longest_spline, filled.gaps[i], filled); });
+                    [&](std::size_t i) { fill(methods, options, filled.gaps[i], filled); });
   const auto holes = std::count_if(filled.gaps.begin(), filled.gaps.end(),
                                    [](const Gap& gap) { return gap.method == Origin::missing; });
   filled.decisions.push_back("gaps: " + std::to_string(filled.gaps.size()) + " found, " +

@@ -19,7 +19,15 @@ struct Gap {
 /// Every gap, by marker and then by frame.
 std::vector<Gap> find_gaps(const Take& take);
 
+enum class GapMethod {
+  automatic,    ///< for each length of gap what does best on the take itself, else the next in this list
+  low_rank,     ///< Gaussian-process regression on the visible markers and on time, learned from the take
+  rigid_group,  ///< rigid motion of a group of neighbours (Sánchez 2003 §5.2)
+  spline,       ///< cubic splines only; longer gaps stay holes
+};
+
 struct FillOptions {
+  GapMethod method = GapMethod::automatic;
   double spline_seconds = 0.2;  ///< gaps up to this long are bridged by splines, ≥ 0
   int group_size = 6;           ///< markers of a rigid group at most, 3 to 32
   double hole_above_mm = 4.0;   ///< gaps with a larger expected error stay holes, > 0
@@ -38,9 +46,10 @@ struct Filled {
 };
 
 /// Fills the gaps of a take in head coordinates: short ones by cubic splines with end velocities fitted to the samples
-/// beside the gap, others by the rigid motion of a group of neighbours (Sánchez 2003 §5.2), both tied to the samples at
-/// the gap's ends. About 70 % of the true samples lie within the expected error, which comes from gaps of the same
-/// kinds cut into the take's own visible samples. Gaps without enough neighbours stay holes.
+/// beside the gap, others by regression on the visible markers or by the rigid motion of a group of neighbours
+/// (Sánchez 2003 §5.2) tied to the samples at the gap's ends. About 70 % of the true samples lie within the expected
+/// error, which comes from gaps of the same kinds cut into the take's own visible samples. Gaps without enough
+/// neighbours stay holes.
 Filled fill_gaps(const Take& take, const FillOptions& options = {});
 
 }  // namespace vultus::mocap
