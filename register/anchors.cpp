@@ -44,11 +44,11 @@ double unit_correction(double outer_eye_distance) {
 }
 
 Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
-                     const ScanLandmarks* seen_template, double least_confidence) {
+                     const ScanLandmarks* seen_template, double least_confidence, bool chin) {
   ScanLandmarks trusted;
   for (const ScanLandmark& landmark : scan)
     if (landmark.confidence >= least_confidence) trusted.push_back(landmark);
-  LandmarkPairs pairs = pair_landmarks(head, trusted);
+  LandmarkPairs pairs = pair_landmarks(head, trusted, chin);
   Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan), std::move(pairs.confidence)};
   if (seen_template) cancel_bias(vertices, *seen_template, anchors);
   return anchors;

@@ -26,9 +26,9 @@ double unit_correction(double outer_eye_distance);
 /// What a finder says of a grey shape is biased (brows, lids) but alike on every face: where the template was seen
 /// under the same conditions (`seen_template`, template frame), each target is the template vertex moved as its
 /// sighting moved. Without it, targets are the landmarks themselves. Landmarks below `least_confidence`, contour points
-/// and names that the template lacks are left out.
+/// (the chin's too, unless `chin`) and names that the template lacks are left out.
 Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
-                     const ScanLandmarks* seen_template, double least_confidence);
+                     const ScanLandmarks* seen_template, double least_confidence, bool chin = false);
 
 /// `found` with every point that `given` names replaced by the given one.
 ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given);

@@ -89,7 +89,7 @@ RbfMap warp(const Points& vertices, const std::vector<bool>& fitted, const Ancho
 std::vector<PointTerm> landmark_terms(const Anchors& anchors) {
   std::vector<PointTerm> terms;
   for (int i = 0; i < anchors.size(); ++i)
-    terms.push_back({anchors.vertices[i], anchors.targets.row(i).transpose(), anchors.confidence[i]});
+    terms.push_back({anchors.vertices[i], anchors.targets.row(i).transpose(), std::sqrt(anchors.confidence[i])});
   return terms;
 }
 
@@ -164,6 +164,8 @@ Prepared Registration::Impl::prepare(const Mesh& scan, const std::optional<ScanL
   Prepared prepared{scan, 1.0, {}, false, false, {}};
   if (given && given->size() >= enough_given) {
     prepared.landmarks = *given;
+    // Landmarks found earlier keep their confidence below one and the finder's bias.
+    prepared.automatic = std::none_of(given->begin(), given->end(), [](const auto& l) { return l.confidence >= 1.0; });
     prepared.decisions.push_back(std::to_string(given->size()) + " landmarks given");
     return prepared;
   }
@@ -283,7 +285,7 @@ namespace {
 // so that what the finder gets wrong alike on both does no harm.
 Anchors expression_anchors(const Template& head, const Registered& neutral, const Prepared& prepared,
                            double least_confidence) {
-  return make_anchors(head, neutral.mesh.positions, prepared.landmarks, &neutral.detected, least_confidence);
+  return make_anchors(head, neutral.mesh.positions, prepared.landmarks, &neutral.detected, least_confidence, true);
 }
 
 bool is_upper_face(const std::string& name) {
@@ -340,6 +342,12 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   const Points rest = transformed(scan_from_face, neutral.mesh.positions);
   NonrigidOptions nonrigid;
   nonrigid.free_scale = false;
+  // The same person: landmarks hardly lie, and the shape they give is kept against sliding along the surface.
+  nonrigid.first_stiffness = 1.0;
+  nonrigid.last_stiffness = 0.1;
+  nonrigid.first_landmarks = 5.0;
+  nonrigid.last_landmarks = 0.5;
+  nonrigid.landmark_steps = 6;
   const Points positions = fit_nonrigid(*my.loop.refined(), rest, rest, my.fitted, scan, landmark_terms(anchors),
                                         my.detail(rest), nonrigid, progress)
                                .positions;

@@ -219,7 +219,7 @@ double median(std::vector<double> values) {
 
 // What a point is worth however well the views agree: brows and contour are colour and outline rather than shape.
 double worth(int point, bool coloured) {
-  if (is_contour(point)) return 0.1;
+  if (is_contour(point)) return point >= 7 && point <= 9 ? 0.4 : 0.1;
   if (point < 27) return coloured ? 0.6 : 0.25;
   return coloured ? 0.9 : 0.8;
 }

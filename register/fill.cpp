@@ -70,7 +70,7 @@ Points fit_smoothly(const Topology& topology, const Points& displacements, const
 
 std::vector<bool> fitted_vertices(const Topology& topology) {
   std::vector<bool> fitted(topology.vertex_count(), true);
-  for (const char* name : {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "teeth", "tongue"})
+  for (const char* name : {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "mouth_cavity", "teeth", "tongue"})
     if (topology.has_set(name))
       for (int v : topology.set(name)) fitted[v] = false;
   return fitted;

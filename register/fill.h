@@ -17,8 +17,8 @@ Points fill_smoothly(const Topology& topology, const Points& positions, const Po
 Points fit_smoothly(const Topology& topology, const Points& displacements, const Eigen::VectorXd& weights,
                     double stiffness);
 
-/// Vertices that are not fitted to the scan: the sets eyeball_left/right, eye_sockets, inner_mouth, teeth and tongue,
-/// where the template has them.
+/// False for vertices that are not fitted to the scan: the sets eyeball_left/right, eye_sockets, inner_mouth,
+/// mouth_cavity, teeth and tongue, where the template has them.
 std::vector<bool> fitted_vertices(const Topology& topology);
 
 /// Moves each connected component without any fitted vertex (eyeballs, teeth) as one rigid body with the fitted

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 namespace vultus::registration {
 namespace {
@@ -32,6 +33,22 @@ GraphFit::GraphFit(const DeformationGraph& graph, const Points& rest) : graph_(g
   }
   blocks_.resize(columns_.size());
   right_.resize(graph.size());
+  arms_.resize(2 * graph.edges.size(), 3);
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    arms_.row(2 * e) = graph.nodes.row(graph.edges[e].second) - graph.nodes.row(graph.edges[e].first);
+    arms_.row(2 * e + 1) = -arms_.row(2 * e);
+  }
+}
+
+void GraphFit::relax(const GraphPose& pose, double share) {
+  for (int row = 0; row < arms_.rows(); ++row) {
+    auto [i, j] = graph_.edges[row / 2];
+    if (row % 2 == 1) std::swap(i, j);
+    const Eigen::Vector3d arm =
+        (graph_.nodes.row(j) + pose.translation.row(j) - graph_.nodes.row(i) - pose.translation.row(i)).transpose();
+    const Eigen::Vector3d seen = pose.linear[i].inverse() * arm;
+    arms_.row(row) += share * (seen.transpose() - arms_.row(row));
+  }
 }
 
 GraphFit::Block& GraphFit::block(int row, int column) {
@@ -66,9 +83,11 @@ void GraphFit::add_rows(const std::vector<Column>& columns, const Eigen::Matrix3
 
 void GraphFit::add_stiffness(const GraphPose& pose, const GraphFitWeights& weights) {
   std::vector<Column> columns(2);
-  for (const auto& edge : graph_.edges) {
-    for (const auto& [i, j] : {edge, std::pair(edge.second, edge.first)}) {
-      const Eigen::Vector3d arm = pose.linear[i] * (graph_.nodes.row(j) - graph_.nodes.row(i)).transpose();
+  for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
+    const auto& edge = graph_.edges[e];
+    for (int side : {0, 1}) {
+      const auto [i, j] = side == 0 ? edge : std::pair(edge.second, edge.first);
+      const Eigen::Vector3d arm = pose.linear[i] * arms_.row(2 * e + side).transpose();
       const Eigen::Vector3d predicted = arm + (graph_.nodes.row(i) + pose.translation.row(i)).transpose();
       const Eigen::Vector3d residual = (graph_.nodes.row(j) + pose.translation.row(j)).transpose() - predicted;
       columns[0].node = i;

@@ -33,6 +33,8 @@ class GraphFit {
   /// Returns the root mean square of the nodes' movement, mm.
   double step(GraphPose& pose, const std::vector<PlaneTerm>& planes, const std::vector<PointTerm>& points,
               const GraphFitWeights& weights);
+  /// Makes the shape of `pose` the one that stiffness keeps, by `share` (0: not at all, 1: wholly).
+  void relax(const GraphPose& pose, double share);
 
  private:
   static constexpr int unknowns = 7;  // rotation, log scale, translation
@@ -51,6 +53,7 @@ class GraphFit {
 
   const DeformationGraph& graph_;
   const Points& rest_;
+  Points arms_;                         // two rows an edge: where either node expects the other, rest, mm
   std::vector<int> offsets_, columns_;  // block rows, lower and upper, sorted
   std::vector<Block> blocks_;
   std::vector<Part> right_;

@@ -49,13 +49,13 @@ std::optional<int> landmark_vertex(const Template& head, const std::string& name
   return {};
 }
 
-LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmarks) {
+LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmarks, bool chin) {
   LandmarkPairs pairs;
   std::vector<const ScanLandmark*> used;
   std::set<int> taken;
   for (const ScanLandmark& landmark : landmarks) {
     const std::optional<int> index = ibug_index(landmark.name);
-    if (index && is_contour(*index)) continue;
+    if (index && is_contour(*index) && !(chin && *index >= 7 && *index <= 9)) continue;
     const std::optional<int> vertex = landmark_vertex(head, landmark.name);
     if (!vertex && !index && landmark.confidence >= 1.0) {
       std::vector<std::string> names;

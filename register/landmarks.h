@@ -35,9 +35,9 @@ struct LandmarkPairs {
   Eigen::VectorXd confidence;    ///< [0, 1]
   int size() const { return static_cast<int>(vertices.size()); }
 };
-/// Pairs every landmark that the template knows; contour points are left out, and a second name for a vertex already
-/// paired too. Throws `InputError` (with the nearest name) when a name given with confidence 1 is unknown.
-LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmarks);
+/// Pairs every landmark that the template knows; contour points are left out (save, with `chin`, 7 to 9: the same chin
+/// in two pictures of one person), and a second name for a vertex already paired too. Throws `InputError` (with the nearest name) when a name given with confidence 1 is unknown.
+LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmarks, bool chin = false);
 
 /// Reads `landmarks/<pose>.json`: {"points": {"NAME": [x, y, z], …}} in the scan's units, or a plain list of 68 points
 /// under "points". Positions are multiplied by `mm_per_unit`. Throws `InputError` naming file and entry.

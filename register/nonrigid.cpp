@@ -103,6 +103,13 @@ NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const 
     if (fitted[v]) all.push_back(v);
 
   NonrigidResult result{deformed(graph, pose, rest, start)};
+  const double soft = 0.1 * options.first_stiffness;
+  const GraphFitWeights opening{soft, soft, options.free_scale ? 0.0 : soft};
+  std::vector<PointTerm> opening_pulls = landmarks;
+  for (PointTerm& pull : opening_pulls) pull.weight *= 2.0 * options.first_landmarks;
+  for (int step = 0; step < options.landmark_steps; ++step) fit.step(pose, {}, opening_pulls, opening);
+  if (options.landmark_steps > 0) fit.relax(pose, options.landmark_relaxation);
+  result.positions = deformed(graph, pose, rest, start);
   progress.begin("fitting", static_cast<std::size_t>(options.stages));
   for (int stage = 0; stage < options.stages; ++stage) {
     progress.check();

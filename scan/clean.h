@@ -19,7 +19,7 @@ Units guess_units(const Points& positions);
 
 struct CleanOptions {
   double mm_per_unit = 0.0;          ///< 0: guess from the size
-  double smallest_component = 0.03;  ///< of the largest component's area, [0, 1]; smaller ones are stray
+  double smallest_component = 0.004; ///< of the largest component's area, [0, 1]; smaller ones are stray
   double spike_factor = 6.0;         ///< > 1: a vertex farther from its neighbours' plane than this many usual steps
                                      ///< (robust over the scan) is a spike; large values keep everything
   double largest_filled_hole = 0.0;  ///< mm of boundary length; 0 leaves every hole open
