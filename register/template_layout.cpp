@@ -74,7 +74,7 @@ void weave_eye(Weaver& w) {
 }
 
 void weave_mouth(Weaver& w) {
-  static const double hold[] = {20, 50, 50, 50, 20, 20, 10, 5, 5};
+  static const double hold[] = {20, 50, 50, 50, 20, 20, 8, 3, 4};
   static const double set_back[] = {0, 0, 0.2, 0, 1, 1, 1, 1, 1};  // no crossing of lips in the control mesh
   auto& mouth = w.weave.mouth;
   for (int r = 0; r < 9; ++r) mouth[r] = w.add(shape::mouth_ring(r), hold[r], set_back[r]);
@@ -140,8 +140,8 @@ void weave_face(Weaver& w) {
   for (int i = 0; i < shape::face_count; ++i)
     between.push_back(shape::through({{0, w.weave.position[face[0][i]]}, {2, middle[i]}, {4, outline[i]}}, 5)[3]);
   face[1] = w.add(shape::face_ring(0), 3);
-  for (int i = 10; i <= 14; ++i) w.weave.hold[face[1][i]] = 0.6;
-  face[2] = w.add(middle, 1);
+  for (int i = 10; i <= 19; ++i) w.weave.hold[face[1][i]] = 0.6;
+  face[2] = w.add(middle, 0.4);
   face[3] = w.add(between, 0.05);
   face[4] = w.add(outline, 2);
   for (int r = 0; r < 4; ++r) w.strip(face[r], face[r + 1]);
@@ -151,7 +151,7 @@ void weave_neck_and_skull(Weaver& w) {
   auto& throat = w.weave.throat;
   auto& side = w.weave.side;
   const Ring jaw = slice(w.weave.face[4], shape::throat_first, shape::face_count - 1);
-  for (int r = 0; r < 5; ++r) throat[r] = w.add(shape::throat_row(r), r == 4 ? 5 : 0.5);
+  for (int r = 0; r < 5; ++r) throat[r] = w.add(shape::throat_row(r), r == 4 ? 5 : 1.5);
   w.strip(jaw, throat[0]);
   for (int r = 0; r < 4; ++r) w.strip(throat[r], throat[r + 1]);
   side[0] = slice(w.weave.face[4], 0, shape::throat_first);

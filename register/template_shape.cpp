@@ -196,13 +196,21 @@ Curve face_ring(int ring) {
 }
 
 Curve throat_row(int row) {
-  switch (row) {
-    case 0: return through({{0, {52.5, -87.5, -57}}, {3, {30.5, -103.5, -22}}, {6, {0, -114.5, -8}}}, 7);
-    case 1: return through({{0, {52, -101.5, -62}}, {3, {30, -114.5, -32}}, {6, {0, -121.5, -20}}}, 7);
-    case 2: return through({{0, {52, -122, -67}}, {3, {30.5, -132, -39}}, {6, {0, -136, -24}}}, 7);
-    case 3: return through({{0, {53, -144, -72}}, {3, {31, -151, -43}}, {6, {0, -154, -29.5}}}, 7);
-    default: return through({{0, {56, -166, -77}}, {3, {32.5, -170, -49}}, {6, {0, -172, -36}}}, 7);
+  static const std::vector<std::pair<double, Eigen::Vector3d>> keys[] = {
+      {{0, {51, -87.5, -58}}, {3, {28.5, -103, -24}}, {6, {0, -114.5, -8.5}}},
+      {{0, {51, -101.5, -63}}, {3, {29, -114.5, -33}}, {6, {0, -121.5, -20.5}}},
+      {{0, {51.5, -122, -67}}, {3, {30.5, -132, -39}}, {6, {0, -136, -22.5}}},
+      {{0, {53, -144, -72}}, {3, {31, -151, -43}}, {6, {0, -154, -29}}},
+      {{0, {56, -166, -77}}, {3, {32.5, -170, -49}}, {6, {0, -172, -36}}}};
+  // The sternomastoid crosses the rows from below the ear to the pit of the neck, with a hollow in front of it.
+  static const double muscle[] = {-0.8, 0.2, 1.5, 2.8, 4.0};
+  Curve c = through(keys[row], 7);
+  for (int i = 0; i < 6; ++i) {
+    const double d = i - muscle[row];
+    const double swell = 2.4 * std::exp(-d * d) - 1.6 * std::exp(-(d - 1.7) * (d - 1.7));
+    c[i] += swell * Eigen::Vector3d(c[i].x(), 0.0, c[i].z() + 82.0).normalized();
   }
+  return c;
 }
 
 Curve side_column(int column) {
@@ -244,21 +252,25 @@ Curve side_column(int column) {
 
 Curve ear_ring(int ring) {
   // Outline in the ear's own plane: u towards the back, v up, from the tragus; w out of that plane.
-  static const std::array<Eigen::Vector2d, 12> outline = {
-      {{0, 20}, {-1, 10}, {0, -1}, {0, -12}, {1, -22}, {8, -28}, {16.5, -20}, {24, -9}, {30, 4}, {32, 18}, {26, 30}, {12, 34}}};
-  static const Eigen::Vector2d middle(13, 3), concha(7, -3);
+  static const std::array<Eigen::Vector2d, 12> outline = {{{0, 20}, {-1, 10}, {-0.5, -1}, {0, -12}, {2, -24}, {9, -29.5},
+                                                           {17, -21}, {24.5, -9}, {30, 4}, {32, 18}, {26, 30}, {12, 34}}};
+  static const Eigen::Vector2d middle(13, 3), concha(7.5, -3);
   static const double scale[] = {0, 0.90, 1.0, 0.84, 0.70, 0.54, 0.30, 0.0};
-  static const double back[] = {0, -4.0, -0.5, 2.0, -1.0, 1.5, -8.0, -10.0};
-  static const double front[] = {0, 0.0, 1.0, 2.5, 2.0, -1.0, -8.0, -10.0};
+  static const double helix[] = {0, -4.0, -0.5, 2.0, -1.0, 1.5, -5.5, -7.0};
+  static const double cheek[] = {0, 0.2, 0.6, 0.2, -2.0, -4.0, -6.0, -7.0};
+  static const double tragus_lobe[] = {0, 0.2, 2.0, 2.6, 0.6, -3.0, -6.0, -7.0};
+  static const double lobe[] = {0, -2.5, -0.5, 1.2, 1.4, 0.6, -4.5, -7.0};
   const Eigen::Vector3d tragus(72.0, -15.0, -66.0), up(0.0, 0.985, -0.17), out_of_head(0.5, -0.147, -0.853);
   const Eigen::Vector3d normal = -up.cross(out_of_head).normalized();
   const Eigen::Vector3d backwards = out_of_head.normalized();
   Curve c(ring == 7 ? 1 : 12);
   for (int i = 0; i < static_cast<int>(c.size()); ++i) {
     const Eigen::Vector2d centre = ring >= 5 ? concha : middle;
-    const Eigen::Vector2d p = ring == 7 ? concha : Eigen::Vector2d(centre + scale[ring] * (outline[i] - centre));
-    const bool at_front = i >= 1 && i <= 4;
-    c[i] = tragus + p.y() * up + p.x() * backwards + (at_front ? front : back)[ring] * normal;
+    // In front the skin runs up to the ear without the fold there is behind it.
+    const double size = ring == 1 && i >= 1 && i <= 4 ? 1.12 : scale[ring];
+    const Eigen::Vector2d p = ring == 7 ? concha : Eigen::Vector2d(centre + size * (outline[i] - centre));
+    const double* w = i == 2 ? tragus_lobe : i == 1 || i == 3 ? cheek : i == 4 || i == 5 ? lobe : helix;
+    c[i] = tragus + p.y() * up + p.x() * backwards + w[ring] * normal;
   }
   return c;
 }

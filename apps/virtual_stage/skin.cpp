@@ -7,6 +7,7 @@
 
 #include "apps/virtual_stage/hair_paint.h"
 #include "apps/virtual_stage/solid_noise.h"
+#include "core/random.h"
 #include "register/template_head.h"
 
 namespace vultus::virtual_stage {
@@ -77,7 +78,11 @@ class SkinPaint {
  public:
   SkinPaint(const Topology& topology, const Complexion& c)
       : c_(c), brows_(c.seed + 3), lips_(topology, "lips"), lids_(topology, "lids"), ears_(topology, "ears"),
-        nostrils_(topology, "nostrils"), margin_left_(topology, "lid_margin_left"), margin_right_(topology, "lid_margin_right") {}
+        nostrils_(topology, "nostrils"), margin_left_(topology, "lid_margin_left"), margin_right_(topology, "lid_margin_right") {
+    Random random(c.seed, 9);
+    for (int i = random.below(6); i > 0; --i)
+      moles_.push_back(V(random.uniform(-62, 62), random.uniform(-105, 65), random.uniform(0.5, 1.1)));
+  }
 
   Colour at(const SurfacePoint& s, const V& p) const {
     Colour colour = mix(bare(p), c_.lips, 0.9 * ramp(0.15, 0.85, lips_.at(s)) * lip_wear(p));
@@ -106,12 +111,19 @@ class SkinPaint {
     const double spots = solid_noise(p / 2.1, c_.seed + 8) + 0.35 * solid_noise(p / 14.0, c_.seed + 9);
     const double where = twin_bump(p, V(22, -20, 25), V(34, 24, 40));
     colour = mix(colour, colour.cwiseProduct(Colour(0.72f, 0.55f, 0.45f)), c_.freckles * where * ramp(0.55, 0.85, spots));
-    const double mole = ramp(0.76, 0.86, solid_noise(p / 3.0, c_.seed + 10) - 0.35 * std::abs(solid_noise(p / 17.0, c_.seed + 13)));
-    return mix(colour, colour.cwiseProduct(Colour(0.45f, 0.32f, 0.27f)), 0.7 * mole);
+    return mix(colour, colour.cwiseProduct(Colour(0.45f, 0.32f, 0.27f)), 0.75 * mole_at(p));
+  }
+
+  double mole_at(const V& p) const {
+    if (p.z() < -25.0) return 0.0;
+    double strongest = 0.0;
+    for (const V& m : moles_) strongest = std::max(strongest, 1.0 - ramp(0.6 * m.z(), 1.2 * m.z(), (p - m).head<2>().norm()));
+    return strongest;
   }
 
   Complexion c_;
   EyebrowPaint brows_;
+  std::vector<V> moles_;  // x, y seen from the front, radius
   SetMask lips_, lids_, ears_, nostrils_, margin_left_, margin_right_;
 };
 
