@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -13,31 +14,40 @@
 namespace vultus::retarget {
 namespace {
 
-/// The part of the rig markers may sit on, with its triangles' numbers in the whole topology.
-struct FaceSurface {
-  std::shared_ptr<const Topology> topology;
-  Points positions;
-  std::vector<int> triangle;
-};
+/// The part of the rig markers may sit on.
+class FaceSurface {
+ public:
+  FaceSurface(const rig::Actor& actor, const std::string& set) : triangle_(triangles_of(*actor.topology, set)) {
+    Triangles kept(static_cast<Eigen::Index>(triangle_.size()), 3);
+    for (Eigen::Index i = 0; i < kept.rows(); ++i) kept.row(i) = actor.topology->triangles().row(triangle_[i]);
+    scene_.emplace(*Topology::from_triangles(actor.topology->vertex_count(), kept), actor.neutral());
+  }
 
-FaceSurface face_surface(const rig::Actor& actor, const std::string& set) {
-  const Topology& whole = *actor.topology;
-  std::vector<bool> keep(whole.vertex_count(), !whole.has_set(set));
-  if (whole.has_set(set)) {
-    for (int vertex : whole.set(set)) keep[vertex] = true;
+  /// The nearest place on the whole topology; invalid beyond `max_distance`.
+  SurfacePoint closest(const Eigen::Vector3d& point, double max_distance) const {
+    const auto found = scene_->closest(point, max_distance);
+    if (!found) return {};
+    return {triangle_[found->place.triangle], found->place.barycentric};
   }
-  FaceSurface face;
-  const Triangles& triangles = whole.triangles();
-  for (int t = 0; t < triangles.rows(); ++t) {
-    if (keep[triangles(t, 0)] && keep[triangles(t, 1)] && keep[triangles(t, 2)]) face.triangle.push_back(t);
+
+ private:
+  static std::vector<int> triangles_of(const Topology& topology, const std::string& set) {
+    std::vector<bool> keep(topology.vertex_count(), !topology.has_set(set));
+    if (topology.has_set(set)) {
+      for (int vertex : topology.set(set)) keep[vertex] = true;
+    }
+    std::vector<int> result;
+    const Triangles& triangles = topology.triangles();
+    for (int t = 0; t < triangles.rows(); ++t) {
+      if (keep[triangles(t, 0)] && keep[triangles(t, 1)] && keep[triangles(t, 2)]) result.push_back(t);
+    }
+    if (result.empty()) throw InputError("vertex set \"" + set + "\" holds no triangle to place markers on");
+    return result;
   }
-  if (face.triangle.empty()) throw InputError("vertex set \"" + set + "\" holds no triangle to place markers on");
-  Triangles kept(static_cast<Eigen::Index>(face.triangle.size()), 3);
-  for (Eigen::Index i = 0; i < kept.rows(); ++i) kept.row(i) = triangles.row(face.triangle[i]);
-  face.topology = Topology::from_triangles(whole.vertex_count(), kept);
-  face.positions = actor.neutral();
-  return face;
-}
+
+  std::vector<int> triangle_;  // number in the whole topology of each triangle of the scene
+  std::optional<RayScene> scene_;
+};
 
 struct AnchorPairs {
   std::vector<std::string> labels;
@@ -124,7 +134,27 @@ void find_coincident(MarkerPlacement& placement) {
   }
 }
 
-void keep_rows(Points& points, Eigen::Index rows) { points.conservativeResize(rows, 3); }
+void align_by_anchors(MarkerPlacement& placement, const AnchorPairs& pairs) {
+  constexpr double kHandPlaced = 2.0;  // mm; nobody puts a marker closer than this to where a landmark is meant
+  const RobustFit fit = fit_similarity_robust(pairs.mocap, pairs.rig, Scaling::free, kHandPlaced);
+  placement.rig_from_mocap = fit.target_from_source;
+  placement.anchor_rms = std::sqrt(fit.residuals.squaredNorm() / static_cast<double>(fit.residuals.size()));
+  for (Eigen::Index i = 0; i < fit.weights.size(); ++i) {
+    if (fit.weights[i] > 0.0) continue;
+    placement.suspects.push_back(fmt::format("{}: as an anchor it is {:.1f} mm from where the others put it",
+                                             pairs.labels[i], fit.residuals[i]));
+  }
+}
+
+void add_marker(MarkerPlacement& placement, const std::string& label, const SurfacePoint& place,
+                const Eigen::RowVector3d& neutral, const Eigen::Vector3d& on_rig, double distance) {
+  const auto row = static_cast<Eigen::Index>(placement.labels.size());
+  placement.labels.push_back(label);
+  placement.places.push_back(place);
+  placement.neutral.row(row) = neutral;
+  placement.on_rig.row(row) = on_rig.transpose();
+  placement.surface_distances.push_back(distance);
+}
 
 }  // namespace
 
@@ -148,48 +178,34 @@ MarkerPlacement place_markers(const std::vector<std::string>& labels, const Poin
     throw InputError("marker placement: one neutral position a label is needed");
   }
   const AnchorPairs pairs = pair_anchors(labels, neutral, anchors, actor);
-  const RobustFit fit = fit_similarity_robust(pairs.mocap, pairs.rig, Scaling::free, 2.0);
   MarkerPlacement placement;
-  placement.rig_from_mocap = fit.target_from_source;
-  placement.anchor_rms = std::sqrt(fit.residuals.squaredNorm() / static_cast<double>(fit.residuals.size()));
-  for (Eigen::Index i = 0; i < fit.weights.size(); ++i) {
-    if (fit.weights[i] > 0.0) continue;
-    placement.suspects.push_back(fmt::format("{}: as an anchor it is {:.1f} mm from where the others put it",
-                                             pairs.labels[i], fit.residuals[i]));
-  }
-
-  const FaceSurface face = face_surface(actor, options.face_set);
-  const RayScene scene(*face.topology, face.positions);
+  align_by_anchors(placement, pairs);
+  const FaceSurface face(actor, options.face_set);
   const Points warped = warp(neutral, pairs, placement.rig_from_mocap);
   placement.neutral = placement.on_rig = Points::Zero(neutral.rows(), 3);
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (!warped.row(i).allFinite()) {
+    const Eigen::Vector3d position = warped.row(static_cast<Eigen::Index>(i));
+    if (!position.allFinite()) {
       placement.left_out.push_back(labels[i] + ": missing in the neutral frame");
       continue;
     }
     const auto anchor = anchors.find(labels[i]);
-    const auto closest = scene.closest(warped.row(i).transpose());
-    if (anchor == anchors.end() && (!closest || closest->distance > options.max_distance)) {
-      placement.left_out.push_back(fmt::format("{}: {:.0f} mm off the face, so no face marker", labels[i],
-                                               closest ? closest->distance : options.max_distance));
+    const SurfacePoint place = anchor != anchors.end() ? anchor->second : face.closest(position, options.max_distance);
+    if (!place.valid()) {
+      placement.left_out.push_back(
+          fmt::format("{}: more than {:.0f} mm off the face, so no face marker", labels[i], options.max_distance));
       continue;
     }
-    const SurfacePoint place = anchor != anchors.end()
-                                   ? anchor->second
-                                   : SurfacePoint{face.triangle[closest->place.triangle], closest->place.barycentric};
-    const auto row = static_cast<Eigen::Index>(placement.labels.size());
-    placement.labels.push_back(labels[i]);
-    placement.places.push_back(place);
-    placement.neutral.row(row) = neutral.row(i);
-    placement.on_rig.row(row) = position_of(place, *actor.topology, actor.neutral()).transpose();
-    const double distance = (placement.on_rig.row(row) - warped.row(i)).norm();
-    placement.surface_distances.push_back(distance);
+    const Eigen::Vector3d on_rig = position_of(place, *actor.topology, actor.neutral());
+    const double distance = (on_rig - position).norm();
     if (distance > options.suspect_distance) {
       placement.suspects.push_back(fmt::format("{}: {:.1f} mm from the face after warping", labels[i], distance));
     }
+    add_marker(placement, labels[i], place, neutral.row(static_cast<Eigen::Index>(i)), on_rig, distance);
   }
-  keep_rows(placement.neutral, static_cast<Eigen::Index>(placement.labels.size()));
-  keep_rows(placement.on_rig, static_cast<Eigen::Index>(placement.labels.size()));
+  const auto placed = static_cast<Eigen::Index>(placement.labels.size());
+  placement.neutral.conservativeResize(placed, 3);
+  placement.on_rig.conservativeResize(placed, 3);
   find_stretched(placement, options.suspect_stretch);
   find_coincident(placement);
   return placement;

@@ -143,34 +143,42 @@ TaskReport solve_frames(const mocap::Take& take, const MarkerBasis& basis, const
   return report;
 }
 
-void bridge(SolveResult& result) {
+/// Fills frames [first, last) of a region on the way from the row of frame `from` to that of `to`.
+void blend_rows(Weights& weights, int region, int first, int last, int from, int to) {
+  const auto a = std::as_const(weights).at(from, region), b = std::as_const(weights).at(to, region);
+  for (int frame = first; frame < last; ++frame) {
+    const float along = from == to ? 0.0f : static_cast<float>(frame - from) / static_cast<float>(to - from);
+    const auto row = weights.at(frame, region);
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = (1.0f - along) * a[i] + along * b[i];
+  }
+}
+
+/// Gives the unseen frames of a region the weights of the seen ones before and after them; false when there are none.
+bool bridge_region(SolveResult& result, int region) {
   const int frames = result.weights.frames();
-  const auto regions = result.weights.regions.size();
-  for (std::size_t k = 0; k < regions; ++k) {
-    const int region = static_cast<int>(k);
-    const auto unseen = [&](int frame) { return result.bridged[frame * regions + k] != 0; };
-    int before = -1;
-    for (int frame = 0; frame < frames; ++frame) {
-      if (!unseen(frame)) {
-        before = frame;
-        continue;
-      }
-      int after = frame + 1;
-      while (after < frames && unseen(after)) ++after;
-      if (before < 0 && after == frames) {
-        result.notes.push_back("region " + result.weights.regions[k] + " never sees a marker and stays neutral");
-        for (int f = 0; f < frames; ++f) result.weights.at(f, region)[0] = 1.0f;
-        break;
-      }
-      const int from = before < 0 ? after : before, to = after == frames ? before : after;
-      for (; frame < after; ++frame) {
-        const float along = from == to ? 0.0f : static_cast<float>(frame - from) / static_cast<float>(to - from);
-        const auto a = std::as_const(result.weights).at(from, region), b = std::as_const(result.weights).at(to, region);
-        const auto row = result.weights.at(frame, region);
-        for (std::size_t i = 0; i < row.size(); ++i) row[i] = (1.0f - along) * a[i] + along * b[i];
-      }
-      --frame;
+  const auto unseen = [&](int frame) {
+    return result.bridged[frame * result.weights.regions.size() + static_cast<std::size_t>(region)] != 0;
+  };
+  int before = -1;
+  for (int frame = 0; frame < frames; ++frame) {
+    if (!unseen(frame)) {
+      before = frame;
+      continue;
     }
+    int after = frame + 1;
+    while (after < frames && unseen(after)) ++after;
+    if (before < 0 && after == frames) return false;
+    blend_rows(result.weights, region, frame, after, before < 0 ? after : before, after == frames ? before : after);
+    frame = after - 1;
+  }
+  return true;
+}
+
+void bridge(SolveResult& result) {
+  for (int region = 0; region < static_cast<int>(result.weights.regions.size()); ++region) {
+    if (bridge_region(result, region)) continue;
+    result.notes.push_back("region " + result.weights.regions[region] + " never sees a marker and stays neutral");
+    for (int frame = 0; frame < result.weights.frames(); ++frame) result.weights.at(frame, region)[0] = 1.0f;
   }
 }
 

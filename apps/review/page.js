@@ -228,12 +228,15 @@ function takesPart() {
     return () => {};
   }
   const body = make('div', {});
+  const facts = make('span', { class: 'unit' });
   const tabs = TAKES.map(take => make('button', { onclick: () => open(take) }, take.name));
   const open = take => {
     tabs.forEach((tab, i) => tab.setAttribute('aria-pressed', String(TAKES[i] === take)));
+    facts.textContent = `${take.frames.toLocaleString('en')} frames at ${fixed(take.rate, take.rate % 1 ? 2 : 0)} Hz, ` +
+      `${fixed(take.frames / take.rate, 1)} s, ${plural(take.markerNames.length, 'marker')}`;
     if (state.take !== take) takePart(take, body);
   };
-  section.append(make('h2', {}, 'Takes'), make('div', { class: 'bar' }, make('div', { class: 'pills' }, tabs)), body);
+  section.append(make('h2', {}, 'Takes'), make('div', { class: 'bar' }, make('div', { class: 'pills' }, tabs), facts), body);
   open(TAKES[0]);
   return open;
 }
