@@ -8,9 +8,9 @@
 namespace vultus::render {
 
 /// What a head looks like as far as the names of its vertex sets tell: "lips" redder and glossier with a soft edge;
-/// "eyeball…" white with an iris and a pupil about +z, under a wet coat; "teeth"; "gums…", "tongue", "inner_mouth",
-/// "mouth_cavity" and "mouth_socket"; "lacrimal…"; everything else skin. Sets that need transparency ("eyelashes…"
-/// drawn on strips, and a game engine's "eye_occlusion…" and "eye_blend…") are hidden.
+/// "eyeball…" white with an iris and a pupil about +z, under a wet coat; "teeth…"; "gums…", "tongue…", "inner_mouth…",
+/// "mouth_cavity…" and "mouth_socket…"; "lacrimal…"; everything else skin. Sets that need transparency are hidden:
+/// "eyelashes…" drawn on strips, and a game engine's "eye_occlusion…" and "eye_blend…".
 struct FaceLook {
   Points colours;                ///< vertex_count×3 linear reflectance
   std::vector<Finish> finishes;  ///< one a vertex
