@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace vultus::apps {
@@ -18,7 +19,8 @@ void add_warnings(const nlohmann::json& json, const std::string& take, Findings&
   if (!json.is_object() || !json.contains("warnings") || !json["warnings"].is_array()) return;
   for (const auto& warning : json["warnings"]) {
     if (!warning.is_string()) continue;
-    const std::string text = warning.get<std::string>();
+    std::string text = warning.get<std::string>();
+    if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
     const auto same = [&](const Finding& finding) { return finding.text == text; };
     if (std::none_of(findings.begin(), findings.end(), same)) {
       findings.push_back({Severity::look, text, take, "", "", -1});

@@ -13,7 +13,7 @@ const GAP_NAMES = {
 // Regions: hues spread by the golden angle at one lightness, so that neighbours in the list differ.
 function regionColour(index) {
   const hue = (24 + index * 137.508) % 360;
-  return hslToRgb(hue / 360, 0.42, 0.58);
+  return hslToRgb(hue / 360, 0.36, 0.54);
 }
 
 function hslToRgb(h, s, l) {

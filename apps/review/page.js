@@ -250,10 +250,10 @@ function registrationPart() {
   const registration = DATA.registration || {};
   section.append(make('h2', {}, 'Actor'), make('div', { class: 'grid stage' },
     make('div', { class: 'panel' }, bar, host, picture),
-    make('div', { class: 'panel' }, make('h3', {}, 'Registration', make('span', { class: 'unit' },
-      poses.length ? `distances in mm${registration.method ? ' · method ' + registration.method : ''}` : '')),
-    poses.length ? make('div', { class: 'scroll tall' }, registrationTable(poses, name => choose(name)))
-      : make('div', { class: 'empty' }, 'No registration report for this actor.'),
+    make('div', { class: 'panel' }, make('h3', {}, poses.length ? 'Registration' : 'Poses', make('span', { class: 'unit' },
+      poses.length ? `distances in mm${registration.method ? ' · method ' + registration.method : ''}`
+        : 'this actor has no registration report')),
+    make('div', { class: 'scroll tall' }, poses.length ? registrationTable(poses, name => choose(name)) : poseTable(name => choose(name))),
     decisionsPanel('Decisions', [registration.decisions || []]))));
   const view = webgl(host, () => new HeadView(HEAD, host));
   const choose = name => {

@@ -78,6 +78,12 @@ function registrationTable(poses, choose) {
     ['Flipped', true], ['Why']], lines);
 }
 
+// For an actor without a registration report: its poses and what they are called elsewhere.
+function poseTable(choose) {
+  return table([['Pose'], ['Tags']], DATA.actor.poses.map(pose => make('tr', {
+    class: 'go', 'data-pose': pose.name, onclick: () => choose(pose.name) }, cell(pose.name), cell((pose.tags || []).join(', ')))));
+}
+
 function originPanel() {
   const rows = DATA.provenance || [];
   return make('div', { class: 'panel' }, make('details', {}, make('summary', {}, `${plural(rows.length, 'artefact')} and their SHA-256`),
