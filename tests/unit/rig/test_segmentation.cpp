@@ -117,9 +117,9 @@ bool contiguous(const Actor& actor, const Segmentation& result) {
   return true;
 }
 
-class Methods : public testing::TestWithParam<SegmentationMethod> {};
+class SegmentationMethods : public testing::TestWithParam<SegmentationMethod> {};
 
-TEST_P(Methods, RecoverPatchesThatMoveApart) {
+TEST_P(SegmentationMethods, RecoverPatchesThatMoveApart) {
   const std::vector<Plate> plates = {{8, 8, {0, 3, 0}}, {24, 8, {0, 0, 3}}, {8, 24, {3, 0, 0}}, {24, 24, {2, 2, 1}}};
   const Actor actor = moving_plates(32, 32, plates);
   SegmentationOptions options;
@@ -132,7 +132,7 @@ TEST_P(Methods, RecoverPatchesThatMoveApart) {
   EXPECT_GT(recovered(result, plate_truth(actor, plates)), 0.97);
 }
 
-TEST_P(Methods, GiveTheAskedNumberOfContiguousRegions) {
+TEST_P(SegmentationMethods, GiveTheAskedNumberOfContiguousRegions) {
   const std::vector<Plate> plates = {{6, 10, {0, 3, 0}}, {20, 8, {0, 1, 3}}, {8, 26, {3, 0, 1}},
                                      {26, 22, {2, -2, 1}}, {16, 17, {-1, 2, -2}}};
   const Actor actor = moving_plates(32, 32, plates);
@@ -149,7 +149,7 @@ TEST_P(Methods, GiveTheAskedNumberOfContiguousRegions) {
   }
 }
 
-TEST_P(Methods, StopAtTheVertexThreshold) {
+TEST_P(SegmentationMethods, StopAtTheVertexThreshold) {
   const std::vector<Plate> plates = {{8, 8, {0, 3, 0}}, {24, 8, {0, 0, 3}}, {8, 24, {3, 0, 0}}, {24, 24, {2, 2, 1}}};
   const Actor actor = moving_plates(32, 32, plates);
   SegmentationOptions options;
@@ -164,7 +164,7 @@ TEST_P(Methods, StopAtTheVertexThreshold) {
   EXPECT_GE(result.regions, 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Methods, testing::Values(SegmentationMethod::motion, SegmentationMethod::liu));
+INSTANTIATE_TEST_SUITE_P(Both, SegmentationMethods, testing::Values(SegmentationMethod::motion, SegmentationMethod::liu));
 
 TEST(Segmentation, IsSymmetricWhenAsked) {
   // Plates in mirrored pairs and one across the middle, moving differently on either side.
