@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "core/mesh.h"
@@ -48,10 +47,10 @@ inline Mesh bumpy_sphere(int rings, double noise, std::uint64_t seed) {
   return radial_grid(rings, noise, seed, bumpy_radius);
 }
 
-inline std::vector<int> all_vertices(const Mesh& mesh) {
-  std::vector<int> all(mesh.topology->vertex_count());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
+inline std::vector<int> every(const Mesh& mesh, int stride) {
+  std::vector<int> some;
+  for (int v = 0; v < mesh.topology->vertex_count(); v += stride) some.push_back(v);
+  return some;
 }
 
 }  // namespace vultus::registration::test
