@@ -1,10 +1,9 @@
 #include "register/convex_map.h"
 
-#include <cmath>
-#include <map>
-
 #include <Eigen/Geometry>
 #include <Eigen/SparseLU>
+#include <cmath>
+#include <map>
 
 namespace vultus::registration::layout {
 namespace {

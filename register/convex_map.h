@@ -17,8 +17,8 @@ struct Disc {
   std::vector<double> importance;             ///< of each triangle: wished texture scale relative to the others
 };
 
-/// Flattens a disc by convex combinations (Tutte 1963; Floater 1997, 2003): one-to-one for any positive weights. `rounds`
-/// times the weight of each neighbour is divided by the root of its stretch (Yoshizawa et al. 2004, damped).
+/// Flattens a disc by convex combinations (Tutte 1963; Floater 1997, 2003): one-to-one for any positive weights.
+/// `rounds` times the weight of each neighbour is divided by the root of its stretch (Yoshizawa et al. 2004, damped).
 Uvs convex_map(const Disc& disc, int rounds);
 
 }  // namespace vultus::registration::layout

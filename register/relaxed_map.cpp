@@ -1,12 +1,11 @@
 #include "register/relaxed_map.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace vultus::registration::layout {
 namespace {
@@ -146,7 +145,8 @@ Uvs relaxed_map(const Disc& disc, const Uvs& start, int steps) {
     const Uvs g = gradient(all, uv, fixed);
     const Uvs smooth = solver.solve(Eigen::MatrixXd(g));
     const double norm = g.cwiseProduct(smooth).sum();
-    const double beta = before_norm == 0.0 ? 0.0 : std::max(0.0, (norm - before.cwiseProduct(smooth).sum()) / before_norm);
+    const double beta =
+        before_norm == 0.0 ? 0.0 : std::max(0.0, (norm - before.cwiseProduct(smooth).sum()) / before_norm);
     direction = beta * direction - smooth;
     double slope = direction.cwiseProduct(g).sum();
     if (slope >= 0.0) {

@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace vultus::registration::shape {
 

@@ -1,10 +1,9 @@
 #include "register/template_fair.h"
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <map>
 #include <set>
-
-#include <Eigen/SparseCholesky>
 
 namespace vultus::registration::layout {
 namespace {
@@ -52,7 +51,8 @@ Points faired(const Weave& whole) {
     keep.emplace_back(v, v, whole.hold[v]);
     if (!star[v].boundary.empty()) continue;
     entries.emplace_back(v, v, -1.0);
-    for (const int w : star[v].neighbours) entries.emplace_back(v, w, 1.0 / static_cast<double>(star[v].neighbours.size()));
+    for (const int w : star[v].neighbours)
+      entries.emplace_back(v, w, 1.0 / static_cast<double>(star[v].neighbours.size()));
   }
   Eigen::SparseMatrix<double> umbrella(n, n), hold(n, n);
   umbrella.setFromTriplets(entries.begin(), entries.end());

@@ -15,9 +15,9 @@ namespace vultus::registration {
 /// Parts: skin with the mouth cavity (open at the neck and behind the lids), two closed eyeballs, two rows of teeth.
 ///
 /// Sets: face, back_of_head, rigid, neck, ears, ear_left, ear_right, lips, upper_lip, lower_lip, lids,
-/// {upper,lower}_lid_{left,right}, lid_margin_{left,right}, eyeballs, eyeball_{left,right}, iris_{left,right}, nostrils,
-/// inner_mouth, mouth_cavity, teeth, teeth_upper, teeth_lower, neck_boundary, skin. Eye and mouth corners are in `lids`
-/// and `lips` alone.
+/// {upper,lower}_lid_{left,right}, lid_margin_{left,right}, eyeballs, eyeball_{left,right}, iris_{left,right},
+/// nostrils, inner_mouth, mouth_cavity, teeth, teeth_upper, teeth_lower, neck_boundary, skin. Eye and mouth corners are
+/// in `lids` and `lips` alone.
 Template template_head();
 
 /// The vertex on the other side of each control vertex; itself on the midline.

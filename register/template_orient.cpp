@@ -1,10 +1,9 @@
 #include "register/template_orient.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <map>
-
-#include <Eigen/Geometry>
 
 namespace vultus::registration::layout {
 namespace {
@@ -56,7 +55,8 @@ double outwardness(const Weave& weave, const std::vector<int>& component) {
   double sum = 0.0;
   for (const int t : component) {
     const auto& [a, b, c] = weave.triangles[t];
-    const Eigen::Vector3d p = weave.position[a] - middle, q = weave.position[b] - middle, r = weave.position[c] - middle;
+    const Eigen::Vector3d p = weave.position[a] - middle, q = weave.position[b] - middle,
+                          r = weave.position[c] - middle;
     sum += p.dot(q.cross(r));
   }
   return sum;

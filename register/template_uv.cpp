@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-
 #include "register/convex_map.h"
 #include "register/relaxed_map.h"
 
@@ -46,8 +45,10 @@ Corner on_outline(double turn) {
 /// Places vertices first … last of a run along the outline by their distance along it.
 void place_run(const Points& p, const Ring& run, double from, double to, std::vector<Corner>& uv) {
   std::vector<double> along = {0.0};
-  for (std::size_t i = 1; i < run.size(); ++i) along.push_back(along.back() + (p.row(run[i]) - p.row(run[i - 1])).norm());
-  for (std::size_t i = 0; i + 1 < run.size(); ++i) uv.push_back(on_outline(from + (to - from) * along[i] / along.back()));
+  for (std::size_t i = 1; i < run.size(); ++i)
+    along.push_back(along.back() + (p.row(run[i]) - p.row(run[i - 1])).norm());
+  for (std::size_t i = 0; i + 1 < run.size(); ++i)
+    uv.push_back(on_outline(from + (to - from) * along[i] / along.back()));
 }
 
 /// The skin cut open: copies of seam vertices for the right half, and the chart's outline.

@@ -1,10 +1,9 @@
 #include "apps/virtual_stage/actor.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 #include "apps/virtual_stage/actor_traits.h"
 #include "core/random.h"
@@ -37,7 +36,9 @@ struct EyeMotion {
   double slant, opening;  // radians, about z and about the eyeball's x axis
   double radius;
 
-  double share(const Eigen::Vector3d& p) const { return 1.0 - smooth_between(radius + 3.0, radius + 17.0, (p - centre).norm()); }
+  double share(const Eigen::Vector3d& p) const {
+    return 1.0 - smooth_between(radius + 3.0, radius + 17.0, (p - centre).norm());
+  }
 
   Eigen::Vector3d moved(const Eigen::Vector3d& p, bool lid) const {
     Eigen::Vector3d arm = Eigen::AngleAxisd(slant, Eigen::Vector3d::UnitZ()) * (p - centre);
@@ -58,7 +59,8 @@ EyeMotion eye_motion(const registration::EyeSphere& eye, const Identity& who) {
   EyeMotion m;
   m.centre = eye.centre;
   m.radius = eye.radius;
-  m.shift = face_displacement(eye.centre + Eigen::Vector3d(0, 0, 6), who) + Eigen::Vector3d(side * 1.1 * own[eye_spacing], 0, 0);
+  m.shift = face_displacement(eye.centre + Eigen::Vector3d(0, 0, 6), who) +
+            Eigen::Vector3d(side * 1.1 * own[eye_spacing], 0, 0);
   m.slant = side * 0.028 * own[eye_slant];
   m.opening = 0.035 * own[eye_opening];
   return m;

@@ -11,12 +11,13 @@ namespace {
 using Colour = Eigen::Vector3f;
 
 /// Reflectance of skin from light to dark, about evenly spaced in melanin (after Krishnaswamy and Baranoski 2004).
-const std::array<Colour, 5> skin_tones = {Colour(0.56f, 0.36f, 0.28f), Colour(0.49f, 0.29f, 0.21f), Colour(0.40f, 0.23f, 0.15f),
-                                          Colour(0.27f, 0.145f, 0.09f), Colour(0.15f, 0.08f, 0.052f)};
-const std::array<Colour, 4> hair_tones = {Colour(0.20f, 0.13f, 0.065f), Colour(0.085f, 0.048f, 0.026f), Colour(0.035f, 0.021f, 0.014f),
-                                          Colour(0.012f, 0.010f, 0.009f)};
-const std::array<Colour, 4> iris_tones = {Colour(0.10f, 0.17f, 0.26f), Colour(0.10f, 0.13f, 0.07f), Colour(0.11f, 0.06f, 0.025f),
-                                          Colour(0.045f, 0.022f, 0.011f)};
+const std::array<Colour, 5> skin_tones = {Colour(0.56f, 0.36f, 0.28f), Colour(0.49f, 0.29f, 0.21f),
+                                          Colour(0.40f, 0.23f, 0.15f), Colour(0.27f, 0.145f, 0.09f),
+                                          Colour(0.15f, 0.08f, 0.052f)};
+const std::array<Colour, 4> hair_tones = {Colour(0.20f, 0.13f, 0.065f), Colour(0.085f, 0.048f, 0.026f),
+                                          Colour(0.035f, 0.021f, 0.014f), Colour(0.012f, 0.010f, 0.009f)};
+const std::array<Colour, 4> iris_tones = {Colour(0.10f, 0.17f, 0.26f), Colour(0.10f, 0.13f, 0.07f),
+                                          Colour(0.11f, 0.06f, 0.025f), Colour(0.045f, 0.022f, 0.011f)};
 
 template <std::size_t N>
 Colour along(const std::array<Colour, N>& tones, double t) {

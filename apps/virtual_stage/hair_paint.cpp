@@ -17,8 +17,12 @@ struct BrowStation {
   V2 middle;
   double half_width;
 };
-const std::array<BrowStation, 6> brow_line = {{{V2(11.5, 16.5), 3.4}, {V2(19.0, 19.6), 3.8}, {V2(28.0, 22.6), 3.5},
-                                               {V2(37.0, 24.2), 2.9}, {V2(46.0, 23.0), 2.1}, {V2(54.5, 18.2), 0.8}}};
+const std::array<BrowStation, 6> brow_line = {{{V2(11.5, 16.5), 3.4},
+                                               {V2(19.0, 19.6), 3.8},
+                                               {V2(28.0, 22.6), 3.5},
+                                               {V2(37.0, 24.2), 2.9},
+                                               {V2(46.0, 23.0), 2.1},
+                                               {V2(54.5, 18.2), 0.8}}};
 
 BrowStation brow_at(double t) {
   const double x = std::clamp(t, 0.0, 1.0) * (brow_line.size() - 1);
@@ -34,8 +38,8 @@ double ramp(double low, double high, double x) {
 }
 
 /// Height of the front hairline's points and how far forward hair grows there.
-const std::array<V2, 10> front_line = {{{-14, -62}, {-4, -59.5}, {6, -54}, {17, -46}, {28.5, -37}, {40.5, -28},
-                                        {52, -17}, {61, -8}, {68, 3}, {76, 18}}};
+const std::array<V2, 10> front_line = {
+    {{-14, -62}, {-4, -59.5}, {6, -54}, {17, -46}, {28.5, -37}, {40.5, -28}, {52, -17}, {61, -8}, {68, 3}, {76, 18}}};
 
 double front_line_z(double y) {
   if (y <= front_line.front().x()) return front_line.front().y();

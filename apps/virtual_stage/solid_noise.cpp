@@ -32,7 +32,8 @@ double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed) {
 
 double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed, int octaves) {
   double sum = 0.0, scale = 1.0;
-  for (int o = 0; o < octaves; ++o, scale *= 2.0) sum += solid_noise(p * scale, seed + static_cast<std::uint32_t>(o)) / scale;
+  for (int o = 0; o < octaves; ++o, scale *= 2.0)
+    sum += solid_noise(p * scale, seed + static_cast<std::uint32_t>(o)) / scale;
   return sum;
 }
 

@@ -1,10 +1,9 @@
-#include "apps/virtual_stage/actor.h"
-
-#include <set>
-
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <set>
+
+#include "apps/virtual_stage/actor.h"
 #include "apps/virtual_stage/skin.h"
 #include "core/texture_space.h"
 #include "register/subdivide.h"
@@ -74,12 +73,12 @@ TEST(Actor, LipsStaySealedAndLidsOnTheirEyeballs) {
       const auto eye = left ? registration::eye_sphere_left() : registration::eye_sphere_right();
       // The eyeball moves rigidly: its own vertices give its centre through the pose of the template's.
       const Points neutral = smooth()(head().neutral);
-      for (const int v : ball)
-        centre += (p.row(v) - neutral.row(v)).transpose() / static_cast<double>(ball.size());
+      for (const int v : ball) centre += (p.row(v) - neutral.row(v)).transpose() / static_cast<double>(ball.size());
       centre += eye.centre;
       for (const auto& [upper, lower] : left ? registration::lid_seal_left() : registration::lid_seal_right()) {
         EXPECT_GT(p(upper, 1), p(lower, 1)) << seed;
-        for (const int v : {upper, lower}) EXPECT_NEAR((p.row(v).transpose() - centre).norm() - eye.radius, 1.7, 1.8) << seed;
+        for (const int v : {upper, lower})
+          EXPECT_NEAR((p.row(v).transpose() - centre).norm() - eye.radius, 1.7, 1.8) << seed;
       }
     }
   }
@@ -112,11 +111,11 @@ TEST(Skin, HasEyesLipsAndHairWhereTheyBelong) {
         }
     return Eigen::Vector3f(-1, -1, -1);
   };
-  EXPECT_LT(colour("3.5").maxCoeff(), 0.05f);                                  // pupil
-  EXPECT_LT(colour("11.4").sum(), 0.8f * colour("forehead").sum());            // scalp hair
+  EXPECT_LT(colour("3.5").maxCoeff(), 0.05f);                        // pupil
+  EXPECT_LT(colour("11.4").sum(), 0.8f * colour("forehead").sum());  // scalp hair
   EXPECT_LT(colour("brow_middle_left").sum(), 0.7f * colour("forehead").sum());
   const Eigen::Vector3f lip = colour("8.2"), skin = colour("forehead");
-  EXPECT_GE(lip.x() / lip.y(), skin.x() / skin.y());                           // redder than skin
+  EXPECT_GE(lip.x() / lip.y(), skin.x() / skin.y());  // redder than skin
   for (const float value : albedo.pixels()) EXPECT_TRUE(value >= 0.0f && value <= 1.0f);
 }
 

@@ -1,14 +1,13 @@
-#include "register/template_head.h"
+#include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <set>
 
-#include <Eigen/Geometry>
-#include <gtest/gtest.h>
-
 #include "core/texture_space.h"
 #include "register/subdivide.h"
+#include "register/template_head.h"
 
 namespace vultus::registration {
 namespace {
@@ -30,7 +29,9 @@ const Points& smooth_neutral() {
   return positions;
 }
 
-Eigen::Vector3d at(const std::string& landmark) { return head().neutral.row(head().topology->landmarks().at(landmark)); }
+Eigen::Vector3d at(const std::string& landmark) {
+  return head().neutral.row(head().topology->landmarks().at(landmark));
+}
 
 std::set<Edge> directed_edges() {
   std::set<Edge> edges;
@@ -80,7 +81,8 @@ TEST(TemplateHead, IsMirrorSymmetricToTheLastBit) {
   const auto mirror = template_mirror();
   for (int v = 0; v < head().neutral.rows(); ++v) {
     EXPECT_EQ(mirror[mirror[v]], v);
-    EXPECT_EQ(head().neutral.row(mirror[v]), Eigen::RowVector3d(-head().neutral(v, 0), head().neutral(v, 1), head().neutral(v, 2)));
+    EXPECT_EQ(head().neutral.row(mirror[v]),
+              Eigen::RowVector3d(-head().neutral(v, 0), head().neutral(v, 1), head().neutral(v, 2)));
   }
   const auto edges = directed_edges();
   for (const auto& [a, b] : edges) EXPECT_TRUE(edges.contains({mirror[b], mirror[a]}));
@@ -98,7 +100,8 @@ TEST(TemplateHead, FacesOutward) {
     double sum = 0.0;
     for (const auto& t : head().topology->triangles().rowwise()) {
       if (!member[t[0]] || !member[t[1]] || !member[t[2]]) continue;
-      const Eigen::Vector3d a = head().neutral.row(t[0]).transpose() - middle, b = head().neutral.row(t[1]).transpose() - middle,
+      const Eigen::Vector3d a = head().neutral.row(t[0]).transpose() - middle,
+                            b = head().neutral.row(t[1]).transpose() - middle,
                             c = head().neutral.row(t[2]).transpose() - middle;
       sum += a.dot(b.cross(c)) / 6.0;
     }
@@ -180,9 +183,9 @@ TEST(TemplateHead, NamesItsLandmarks) {
   }
   EXPECT_EQ(major, 28);
   // A feature point in MPEG-4's numbering for each part of the face, left of its twin.
-  const std::pair<const char*, const char*> twins[] = {{"2.4", "2.5"}, {"3.5", "3.6"}, {"3.7", "3.12"}, {"3.11", "3.8"},
-                                                       {"4.1", "4.2"}, {"5.1", "5.2"}, {"8.3", "8.4"},  {"8.10", "8.9"},
-                                                       {"9.1", "9.2"}, {"9.5", "9.4"}, {"10.1", "10.2"}, {"11.3", "11.2"}};
+  const std::pair<const char*, const char*> twins[] = {
+      {"2.4", "2.5"}, {"3.5", "3.6"},  {"3.7", "3.12"}, {"3.11", "3.8"}, {"4.1", "4.2"},   {"5.1", "5.2"},
+      {"8.3", "8.4"}, {"8.10", "8.9"}, {"9.1", "9.2"},  {"9.5", "9.4"},  {"10.1", "10.2"}, {"11.3", "11.2"}};
   for (const auto& [left, right] : twins) {
     EXPECT_GT(at(left).x(), 0.0) << left;
     EXPECT_EQ(template_mirror()[head().topology->landmarks().at(left)], head().topology->landmarks().at(right)) << left;
@@ -200,7 +203,7 @@ TEST(TemplateHead, MapsThe68PointScheme) {
   EXPECT_EQ(std::set<int>(points.begin(), points.end()).size(), 68u);
   const auto p = [&](int i) -> Eigen::Vector3d { return head().neutral.row(points[i]); };
   const auto mirror = template_mirror();
-  const std::pair<int, int> twins[] = {{0, 16}, {4, 12}, {17, 26}, {21, 22}, {31, 35}, {36, 45}, {39, 42}, {37, 44},
+  const std::pair<int, int> twins[] = {{0, 16},  {4, 12},  {17, 26}, {21, 22}, {31, 35}, {36, 45}, {39, 42}, {37, 44},
                                        {41, 46}, {48, 54}, {50, 52}, {59, 55}, {60, 64}, {61, 63}, {67, 65}};
   for (const auto& [right, left] : twins) {
     EXPECT_LT(p(right).x(), 0.0) << right;
@@ -218,9 +221,26 @@ TEST(TemplateHead, MapsThe68PointScheme) {
 
 TEST(TemplateHead, NamesItsParts) {
   const Topology& topology = *head().topology;
-  for (const char* name : {"face", "back_of_head", "rigid", "neck", "ears", "ear_left", "ear_right", "lips", "upper_lip",
-                           "lower_lip", "lids", "upper_lid_left", "upper_lid_right", "lower_lid_left", "lower_lid_right",
-                           "eyeball_left", "eyeball_right", "inner_mouth", "teeth", "skin"})
+  for (const char* name : {"face",
+                           "back_of_head",
+                           "rigid",
+                           "neck",
+                           "ears",
+                           "ear_left",
+                           "ear_right",
+                           "lips",
+                           "upper_lip",
+                           "lower_lip",
+                           "lids",
+                           "upper_lid_left",
+                           "upper_lid_right",
+                           "lower_lid_left",
+                           "lower_lid_right",
+                           "eyeball_left",
+                           "eyeball_right",
+                           "inner_mouth",
+                           "teeth",
+                           "skin"})
     EXPECT_FALSE(topology.set(name).empty()) << name;
   std::set<int> face(topology.set("face").begin(), topology.set("face").end());
   for (const char* other : {"ears", "neck", "eyeballs", "inner_mouth", "back_of_head"})
