@@ -69,8 +69,15 @@ RegionProblem region_problem(const mocap::Take& take, const MarkerBasis& basis, 
 /// Solves consecutive frames of one region; the Gram matrix is kept while the same markers are seen.
 class RegionSolver {
  public:
-  RegionSolver(const mocap::Take& take, const MarkerBasis& basis, const RegionProblem& problem)
-      : take_(take), basis_(basis), problem_(problem), rows_(problem.design), target_(problem.design.rows()) {}
+  RegionSolver(const mocap::Take& take, const MarkerBasis& basis, const RegionProblem& problem, double rest_cost)
+      : take_(take),
+        basis_(basis),
+        problem_(problem),
+        rows_(problem.design),
+        target_(problem.design.rows()),
+        cost_(Eigen::VectorXd::Constant(problem.design.cols(), 0.5 * rest_cost)) {
+    cost_[0] = 0.0;
+  }
 
   /// The usable poses' weights; nothing when no marker of the region is seen.
   std::optional<SimplexQpResult> solve(int frame) {
@@ -89,7 +96,7 @@ class RegionSolver {
       target_.segment<3>(3 * row) = problem_.counts[row] * (take_.at(frame, problem_.sources[r]) -
                                                             basis_.at(problem_.markers[r], 0));
     }
-    return programme_->solve(-rows_.transpose() * target_);
+    return programme_->solve(cost_ - rows_.transpose() * target_);
   }
 
  private:
@@ -107,6 +114,7 @@ class RegionSolver {
   const RegionProblem& problem_;
   Eigen::MatrixXd rows_;
   Eigen::VectorXd target_;
+  Eigen::VectorXd cost_;  // ½ rest_cost for every pose but the neutral
   std::vector<bool> seen_;
   std::optional<SimplexQp> programme_;
 };
@@ -124,11 +132,11 @@ void store(const Eigen::VectorXd& solution, const std::vector<int>& poses, std::
 }
 
 TaskReport solve_frames(const mocap::Take& take, const MarkerBasis& basis, const std::vector<RegionProblem>& problems,
-                        const std::vector<int>& poses, int first, int last, SolveResult& result) {
+                        const std::vector<int>& poses, double rest_cost, int first, int last, SolveResult& result) {
   TaskReport report;
   for (std::size_t k = 0; k < problems.size(); ++k) {
     const int region = static_cast<int>(k);
-    RegionSolver solver(take, basis, problems[k]);
+    RegionSolver solver(take, basis, problems[k], rest_cost);
     for (int frame = first; frame < last; ++frame) {
       const auto solution = solver.solve(frame);
       if (!solution) {
@@ -186,6 +194,7 @@ void bridge(SolveResult& result) {
 
 void SolveOptions::validate() const {
   if (!(marker_floor >= 0.0) || !(marker_floor <= 1.0)) throw InputError("marker_floor must be in [0, 1]");
+  if (!(rest_cost >= 0.0) || !std::isfinite(rest_cost)) throw InputError("rest_cost must be 0 or more");
   if (!(smoothing >= 0.0) || !std::isfinite(smoothing)) throw InputError("smoothing must be 0 s or more");
 }
 
@@ -216,7 +225,7 @@ SolveResult solve_take(const mocap::Take& take, const MarkerBasis& basis, const 
   tbb::parallel_for(0, tasks, [&](int task) {
     progress.check();
     const int first = task * kFramesPerTask, last = std::min(first + kFramesPerTask, take.frames());
-    reports[task] = solve_frames(take, basis, problems, poses, first, last, result);
+    reports[task] = solve_frames(take, basis, problems, poses, options.rest_cost, first, last, result);
     progress.advance(last - first);
   });
   for (const TaskReport& report : reports) {

@@ -39,7 +39,7 @@ struct Performance {
 
 SolveOptions published() {
   SolveOptions options;
-  options.marker_floor = 0.0;
+  options.marker_floor = options.rest_cost = 0.0;
   return options;
 }
 
@@ -231,13 +231,31 @@ TEST(Regional, FloorDecidesWhatARegionsOwnMarkersLeaveOpen) {
   counts.values = Eigen::MatrixXd::Zero(p.basis.markers(), 2);
   counts.values.col(0).setOnes();
   counts.values.row(12) << 0.0, 1.0;
-  SolveOptions floor;
+  SolveOptions floor = published();
   floor.marker_floor = 0.01;
   const SolveResult result = solve_take(p.take, p.basis, counts, floor);
   for (int f = 0; f < 20; ++f) {
     for (std::size_t i = 0; i < p.truth.poses.size(); ++i) {
       EXPECT_NEAR(result.weights.at(f, 1)[i], p.truth.at(f, 0)[i], 5e-3);
     }
+  }
+}
+
+TEST(Regional, APoseThatMovesNoMarkerGetsNoWeight) {
+  // Two more poses of the face are the neutral itself: without a cost they are as good as the neutral.
+  Performance p(SmallFace::actor(1, 1, 0.0), 10);
+  for (const char* name : {"idle_a", "idle_b"}) {
+    p.actor.poses.push_back({name, {}, p.actor.neutral()});
+  }
+  const MarkerBasis basis = basis_from_surface(p.actor, p.labels, p.places);
+  SolveOptions options = published();
+  options.rest_cost = 1e-3;
+  const SolveResult result = solve_take(p.take, basis, p.counts, options);
+  for (int f = 0; f < 10; ++f) {
+    EXPECT_EQ(result.weights.at(f, 0)[6], 0.0f);
+    EXPECT_EQ(result.weights.at(f, 0)[7], 0.0f);
+    // A cost of 1e-3 mm² against poses of some mm on some ten markers moves weights by less than 1e-4.
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(result.weights.at(f, 0)[i], p.truth.at(f, 0)[i], 3e-4);
   }
 }
 
@@ -264,6 +282,12 @@ TEST(Regional, BadInputIsRefused) {
   Performance p(SmallFace::actor(2, 1, 15.0), 3);
   SolveOptions options;
   options.smoothing = -1.0;
+  EXPECT_THROW(solve_take(p.take, p.basis, p.counts, options), InputError);
+  options = {};
+  options.rest_cost = -0.1;
+  EXPECT_THROW(solve_take(p.take, p.basis, p.counts, options), InputError);
+  options = {};
+  options.marker_floor = 1.5;
   EXPECT_THROW(solve_take(p.take, p.basis, p.counts, options), InputError);
   for (std::string& label : p.take.labels) label = "x" + label;
   EXPECT_THROW(solve_take(p.take, p.basis, p.counts), InputError);
