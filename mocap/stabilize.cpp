@@ -73,7 +73,10 @@ RigidBody rigid_part(const RigidBody& body, std::vector<std::string>& decisions)
 }
 
 HeadMethod decide(const StabilizeOptions& options, std::vector<std::string>& jig, std::vector<std::string>& decisions) {
-  if (options.body) return options.method == HeadMethod::automatic ? HeadMethod::jig : options.method;
+  if (options.body && options.method == HeadMethod::automatic) {
+    const bool of_jig = jig_labels(options.body->labels).size() == options.body->labels.size();
+    return of_jig || !options.jig.empty() ? HeadMethod::jig : HeadMethod::steady_face;
+  }
   if (options.method != HeadMethod::automatic) return options.method;
   if (jig.size() >= 3) return HeadMethod::jig;
   decisions.push_back(jig.empty() ? "head: no jig markers, so the steadiest face markers are used"
