@@ -97,6 +97,8 @@ void add_inside(SetMaker& s, const Weave& w) {
   for (int r = 0; r <= 2; ++r) s.sides("iris", w.eyeball[r]);
   s.both("mouth_cavity", w.mouth[0]);
   s.both("mouth_cavity", w.mouth_back);
+  s.both("mouth_lining", w.mouth[1]);
+  s.merge("mouth_lining", {"mouth_cavity"});
   for (int r = 0; r < 4; ++r) {
     s.both("teeth_upper", w.teeth_upper[r]);
     s.both("teeth_lower", w.teeth_lower[r]);

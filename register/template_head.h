@@ -16,8 +16,8 @@ namespace vultus::registration {
 ///
 /// Sets: face, back_of_head, rigid, neck, ears, ear_left, ear_right, lips, upper_lip, lower_lip, lids,
 /// {upper,lower}_lid_{left,right}, lid_margin_{left,right}, eyeballs, eyeball_{left,right}, iris_{left,right},
-/// nostrils, inner_mouth, mouth_cavity, teeth, teeth_upper, teeth_lower, neck_boundary, skin. Eye and mouth corners are
-/// in `lids` and `lips` alone.
+/// nostrils, inner_mouth, mouth_cavity, mouth_lining (with the lips' inner edge), teeth, teeth_upper, teeth_lower,
+/// neck_boundary, skin. Eye and mouth corners are in `lids` and `lips` alone.
 Template template_head();
 
 /// The vertex on the other side of each control vertex; itself on the midline.

@@ -81,6 +81,8 @@ class SkinPaint {
       : c_(c),
         brows_(c.seed + 3),
         lips_(topology, "lips"),
+        cavity_(topology, "mouth_cavity"),
+        lining_(topology, "mouth_lining"),
         lids_(topology, "lids"),
         ears_(topology, "ears"),
         nostrils_(topology, "nostrils"),
@@ -92,7 +94,7 @@ class SkinPaint {
   }
 
   Colour at(const SurfacePoint& s, const V& p) const {
-    Colour colour = mix(bare(p), c_.lips, 0.9 * ramp(0.15, 0.85, lips_.at(s)) * lip_wear(p));
+    Colour colour = mix(bare(p), c_.lips, 0.9 * ramp(0.15, 0.85, lips_.at(s) + lining_.at(s)) * lip_wear(p));
     colour = mix(colour, c_.flush, 0.25 * lids_.at(s) + 0.5 * ears_.at(s));
     const double margin = margin_left_.at(s) + margin_right_.at(s);
     colour = mix(colour, Colour(0.5f * c_.flush), 0.55 * margin);
@@ -101,6 +103,7 @@ class SkinPaint {
     else if (margin > 0.0)
       colour = mix(colour, Colour(0.6f * c_.hair), 0.45 * ramp(0.3, 0.8, margin));
     colour = mix(colour, Colour(0.12f * c_.flush), nostrils_.at(s));
+    colour = mix(colour, Colour(0.16f, 0.045f, 0.04f), cavity_.at(s));
     colour = mix(colour, c_.hair, 0.94 * brows_.coverage(p));
     if (ears_.at(s) == 0.0) colour = mix(colour, c_.hair, 0.93 * scalp_coverage(p, c_.seed + 4));
     return colour;
@@ -139,7 +142,7 @@ class SkinPaint {
   Complexion c_;
   EyebrowPaint brows_;
   std::vector<V> moles_;  // x, y seen from the front, radius
-  SetMask lips_, lids_, ears_, nostrils_, margin_left_, margin_right_;
+  SetMask lips_, cavity_, lining_, lids_, ears_, nostrils_, margin_left_, margin_right_;
 };
 
 }  // namespace
@@ -148,7 +151,6 @@ Image skin_albedo(const TextureSpace& space, const Points& reference, const Comp
   const Topology& topology = space.topology();
   const SkinPaint skin(topology, c);
   const SetMask left(topology, "eyeball_left"), right(topology, "eyeball_right"), teeth(topology, "teeth");
-  const SetMask cavity(topology, "mouth_cavity");
   Image albedo = Image::rgb(space.width(), space.height());
   tbb::parallel_for(0, space.height(), [&](int y) {
     for (int x = 0; x < space.width(); ++x) {
@@ -163,7 +165,7 @@ Image skin_albedo(const TextureSpace& space, const Points& reference, const Comp
       else if (teeth.whole(s.triangle))
         colour = tooth_colour(p);
       else
-        colour = mix(skin.at(s, p), Colour(0.16f, 0.045f, 0.04f), cavity.at(s));
+        colour = skin.at(s, p);
       albedo.set_rgb(x, y, colour.cwiseMax(0.0f).cwiseMin(1.0f));
     }
   });
