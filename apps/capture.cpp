@@ -31,8 +31,9 @@ std::map<std::string, CapturedPose> poses_in_folder(const fs::path& scans) {
     const std::string name = entry.path().stem().string();
     const auto [known, is_new] = poses.try_emplace(name, CapturedPose{name, {}, entry.path(), {}});
     if (!is_new) {
-      const auto files = std::minmax(known->second.scan.filename().string(), entry.path().filename().string());
-      throw InputError(scans, "pose \"" + name + "\" has two scans, " + files.first + " and " + files.second);
+      const auto [first, second] =
+          std::minmax({known->second.scan.filename().string(), entry.path().filename().string()});
+      throw InputError(scans, "pose \"" + name + "\" has two scans, " + first + " and " + second);
     }
   }
   if (error && error != std::errc::no_such_file_or_directory) throw InputError(scans, error.message());

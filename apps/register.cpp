@@ -2,12 +2,12 @@
 
 #include "apps/commands.h"
 #include "apps/registration_report.h"
+#include "apps/scan_file.h"
 #include "core/files.h"
 #include "core/mesh_io.h"
 #include "register/consistent.h"
 #include "register/template_file.h"
 #include "register/template_head.h"
-#include "scan/clean.h"
 
 namespace vultus::apps {
 namespace {
@@ -28,8 +28,7 @@ ExitCode register_scan(const Arguments& arguments, Run& run) {
                                                     ? registration::template_head()
                                                     : registration::read_template(arguments.template_path),
                                                 options);
-  const scan::CleanScan cleaned =
-      scan::clean_scan(read_mesh(arguments.scan, NonFinite::keep), arguments.cleaning, run.progress());
+  const scan::CleanScan cleaned = clean_scan_file(arguments.scan, arguments.cleaning, run.progress());
   std::optional<registration::ScanLandmarks> landmarks;
   if (!arguments.landmarks.empty()) {
     landmarks = registration::read_landmarks(arguments.landmarks, cleaned.report.units.mm_per_unit);

@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "apps/scan_file.h"
 #include "core/mesh_io.h"
-#include "scan/clean.h"
 
 namespace vultus::apps {
 namespace {
@@ -14,8 +14,7 @@ struct Arguments {
 
 ExitCode clean(const Arguments& arguments, Run& run) {
   run.input(arguments.scan);
-  const Mesh raw = read_mesh(arguments.scan, NonFinite::keep);
-  const scan::CleanScan cleaned = scan::clean_scan(raw, arguments.options, run.progress());
+  const scan::CleanScan cleaned = clean_scan_file(arguments.scan, arguments.options, run.progress());
   for (const std::string& line : cleaned.report.lines()) run.progress().note(line);
   write_ply(arguments.out, cleaned.mesh);
   run.numbers() = {

@@ -8,22 +8,32 @@
 #include <optional>
 
 #include "apps/registration_report.h"
+#include "apps/scan_file.h"
 #include "core/array_io.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/image.h"
 #include "core/mesh_io.h"
 #include "register/landmarks.h"
+#include "register/texture_transfer.h"
 #include "render/face_look.h"
 #include "render/portrait.h"
 #include "render/preview.h"
-#include "scan/clean.h"
 
 namespace vultus::apps {
 namespace {
 
 namespace fs = std::filesystem;
 using registration::Registered;
+
+// The scan's colour in texture space, or an empty image; parts that a scan does not show look as their names tell.
+Image albedo_of(const Registered& registered, Mesh scan) {
+  const Topology& topology = *registered.mesh.topology;
+  if (!topology.has_uvs() || !registration::has_colour(scan)) return {};
+  scan.positions = transformed(registered.face_from_scan, scan.positions);
+  return registration::transfer_colours(registered.mesh, scan,
+                                        render::face_look(topology, registered.mesh.positions).colours);
+}
 
 // Stages of several scans at once would overwrite each other's bars; only cancelling passes through.
 class Background final : public Progress {
@@ -47,6 +57,7 @@ struct Prepared {
 
 struct Attempt {
   std::optional<Registered> registered;
+  Image albedo;  // of a coloured neutral
   std::vector<std::string> cleaning;
   std::string problem;
 };
@@ -65,6 +76,7 @@ class Scans {
     Prepared scan = prepared(pose);
     Attempt attempt;
     attempt.registered = registration_.neutral(scan.mesh, scan.landmarks, background_);
+    attempt.albedo = albedo_of(*attempt.registered, scan.mesh);
     attempt.cleaning = std::move(scan.cleaning);
     return attempt;
   }
@@ -83,17 +95,9 @@ class Scans {
 
  private:
   Prepared prepared(const CapturedPose& pose) {
-    Mesh raw = read_mesh(pose.scan, NonFinite::keep);
-    raw.positions = (raw.positions * capture_.upright.transpose()).eval();
     scan::CleanOptions options;
     options.mm_per_unit = capture_.mm_per_unit;
-    scan::CleanScan cleaned = [&] {
-      try {
-        return scan::clean_scan(raw, options, background_);
-      } catch (const InputError& error) {
-        throw InputError(pose.scan, error.what());
-      }
-    }();
+    scan::CleanScan cleaned = clean_scan_file(pose.scan, options, background_, capture_.upright);
     Prepared result{std::move(cleaned.mesh), {}, cleaned.report.lines()};
     if (!pose.landmarks.empty()) {
       result.landmarks = registration::read_landmarks(pose.landmarks, cleaned.report.units.mm_per_unit);
@@ -111,10 +115,19 @@ std::string report_name(const std::string& pose) { return "report/" + pose + ".j
 std::string distance_name(const std::string& pose) { return "report/" + pose + ".distance.npy"; }
 std::string picture_name(const std::string& pose) { return "report/" + pose + ".png"; }
 
+// A scan that cannot be read is reported when its turn comes.
+std::string texture_of(const fs::path& scan) {
+  try {
+    return read_mesh(scan, NonFinite::keep).texture;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 void add_scan_inputs(const CapturedPose& pose, const std::string& prefix, std::map<std::string, std::string>& inputs) {
   inputs[prefix + "scan"] = sha256_of_file(pose.scan);
   if (!pose.landmarks.empty()) inputs[prefix + "landmarks"] = sha256_of_file(pose.landmarks);
-  const std::string texture = read_mesh(pose.scan, NonFinite::keep).texture;
+  const std::string texture = texture_of(pose.scan);
   if (fs::is_regular_file(texture)) inputs[prefix + "texture"] = sha256_of_file(texture);
 }
 
@@ -166,6 +179,7 @@ class Writer {
     for (const std::string& file : {report_name(name), distance_name(name), picture_name(name)}) {
       manifest.record(file, work.provenance);
     }
+    if (!attempt.albedo.empty()) actor_.write_map(name, "albedo", attempt.albedo, work.provenance);
     actor_.write_pose({name, work.pose.tags, registered.mesh.positions}, work.provenance);
     progress.note(summary_line(report));
   }
