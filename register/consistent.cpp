@@ -129,8 +129,8 @@ struct Registration::Impl {
       : head(std::move(given)), options(std::move(given_options)), loop(head.topology, head.subdivisions) {
     options.validate();
     refined_neutral = loop(head.neutral);
-    fitted = fitted_vertices(*loop.refined());
-    fitted_control = fitted_vertices(*head.topology);
+    fitted = exposed_vertices(*loop.refined(), refined_neutral);
+    fitted_control.assign(fitted.begin(), fitted.begin() + head.topology->vertex_count());
   }
 
   const FaceFinder& face_finder() const {
@@ -238,7 +238,7 @@ Registered Registration::Impl::finish(const Prepared& prepared, const ScanSurfac
   result.detected = moved(face_from_mm, prepared.landmarks);
   result.coloured = prepared.coloured;
   result.decisions = prepared.decisions;
-  result.quality = judge(head, *loop.refined(), reference, positions, scan, residuals, options.limits);
+  result.quality = judge(head, *loop.refined(), fitted, reference, positions, scan, residuals, options.limits);
   return result;
 }
 

@@ -1,12 +1,15 @@
 #include "register/fill.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <Eigen/SparseCholesky>
+#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/neighbours.h"
+#include "core/rays.h"
 #include "core/transform.h"
 
 namespace vultus::registration {
@@ -74,6 +77,31 @@ std::vector<bool> fitted_vertices(const Topology& topology) {
     if (topology.has_set(name))
       for (int v : topology.set(name)) fitted[v] = false;
   return fitted;
+}
+
+std::vector<bool> exposed_vertices(const Topology& topology, const Points& positions, double least_open) {
+  const RayScene scene(topology, positions);
+  const Points normals = vertex_normals(topology, positions);
+  const std::vector<bool> fitted = fitted_vertices(topology);
+  constexpr int directions = 96;
+  const double golden = M_PI * (3.0 - std::sqrt(5.0));
+  std::vector<char> exposed(fitted.size(), 0);
+  tbb::parallel_for(std::size_t{0}, fitted.size(), [&](std::size_t v) {
+    if (!fitted[v]) return;
+    const Eigen::Vector3d normal = normals.row(v);
+    const Eigen::Vector3d origin = positions.row(v).transpose() + 0.2 * normal;
+    double open = 0.0, all = 0.0;
+    for (int k = 0; k < directions; ++k) {  // evenly over the sphere (a golden spiral)
+      const double z = 1.0 - (2.0 * k + 1.0) / directions, r = std::sqrt(1.0 - z * z);
+      const Eigen::Vector3d direction(r * std::cos(golden * k), r * std::sin(golden * k), z);
+      const double cosine = direction.dot(normal);
+      if (cosine <= 0.05) continue;
+      all += cosine;
+      if (!scene.occluded(origin, direction, 0.0, 60.0)) open += cosine;
+    }
+    exposed[v] = all > 0.0 && open >= least_open * all;
+  });
+  return std::vector<bool>(exposed.begin(), exposed.end());
 }
 
 void carry_components(const Topology& topology, const Points& rest, const std::vector<bool>& fitted, bool free_scale,

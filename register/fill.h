@@ -21,6 +21,10 @@ Points fit_smoothly(const Topology& topology, const Points& displacements, const
 /// mouth_cavity, teeth and tongue, where the template has them.
 std::vector<bool> fitted_vertices(const Topology& topology);
 
+/// The fitted vertices that a scanner could see: at least `least_open` of the half-space above them, weighted by the
+/// cosine, is free. Insides of nostrils, lips, ears and lids fall out; what a scan shows there is another surface.
+std::vector<bool> exposed_vertices(const Topology& topology, const Points& positions, double least_open = 0.2);
+
 /// Moves each connected component without any fitted vertex (eyeballs, teeth) as one rigid body with the fitted
 /// vertices around it: `rest` → `moved`, both vertex_count×3; `moved` is changed in place. With `scaling` free the body
 /// may grow as its surroundings did.

@@ -11,7 +11,6 @@
 
 #include "core/neighbours.h"
 #include "core/rays.h"
-#include "register/fill.h"
 
 namespace vultus::registration {
 namespace {
@@ -186,7 +185,7 @@ void reach_verdict(const QualityLimits& limits, Quality& quality) {
   if (!quality.landmarks.empty())
     check(quality.landmark_mean, limits.pass_landmarks, limits.fail_landmarks,
           "landmarks lie " + number(quality.landmark_mean) + " mm from their places on average");
-  check(quality.flipped_triangles, 1, 200, std::to_string(quality.flipped_triangles) + " triangles folded over");
+  check(quality.flipped_triangles, 1, std::max(50.0, 0.02 * main.vertices), std::to_string(quality.flipped_triangles) + " triangles folded over");
   check(quality.stretched_triangles, std::max(20.0, 0.01 * main.vertices), std::max(400.0, 0.2 * main.vertices),
         std::to_string(quality.stretched_triangles) + " triangles stretched more than " + number(limits.stretch) + " times");
   check(std::abs(std::log(quality.size_ratio)), std::log(1.25), std::log(1.6),
@@ -202,10 +201,10 @@ std::string verdict_name(Verdict verdict) {
   return verdict == Verdict::pass ? "pass" : verdict == Verdict::warn ? "warn" : "fail";
 }
 
-Quality judge(const Template& head, const Topology& topology, const Points& reference, const Points& positions,
-              const ScanSurface& scan, const std::vector<LandmarkResidual>& landmarks, const QualityLimits& limits) {
+Quality judge(const Template& head, const Topology& topology, const std::vector<bool>& fitted, const Points& reference,
+              const Points& positions, const ScanSurface& scan, const std::vector<LandmarkResidual>& landmarks,
+              const QualityLimits& limits) {
   Quality quality;
-  const std::vector<bool> fitted = fitted_vertices(topology);
   quality.vertex_distance = distances_to_scan(topology, positions, scan, fitted, limits.data_within);
   const ScanSample sample = distances_to_mesh(topology, positions, scan, limits.data_within);
   quality.sets["all"] = judge_set(topology, fitted, quality.vertex_distance, sample);

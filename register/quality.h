@@ -50,9 +50,10 @@ struct Quality {
   std::vector<std::string> reasons;      ///< in words, worst first; empty for a clean pass
 };
 
-/// Judges `positions` (scan frame) against the scan; `reference` is the same topology before fitting (template or
+/// Judges `positions` (scan frame) against the scan where vertices are `fitted`; `reference` is the same topology before fitting (template or
 /// neutral, any frame). `head` gives lips and eyes, whose control vertices keep their numbers after subdivision.
-Quality judge(const Template& head, const Topology& topology, const Points& reference, const Points& positions,
-              const ScanSurface& scan, const std::vector<LandmarkResidual>& landmarks, const QualityLimits& limits = {});
+Quality judge(const Template& head, const Topology& topology, const std::vector<bool>& fitted, const Points& reference,
+              const Points& positions, const ScanSurface& scan, const std::vector<LandmarkResidual>& landmarks,
+              const QualityLimits& limits = {});
 
 }  // namespace vultus::registration

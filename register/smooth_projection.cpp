@@ -1,6 +1,5 @@
 #include "register/smooth_projection.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -81,6 +80,25 @@ Sparse smoothness(const Topology& topology, const std::vector<std::pair<int, int
   return Sparse(options.bending * (laplacian.transpose() * laplacian) + first_order);
 }
 
+// Offsets are halved around triangles that they would turn over, until none turns or little is left of them.
+void hold_back_folds(const Topology& topology, const Points& positions, const Points& normals, Eigen::VectorXd& offset) {
+  const Points before = triangle_normals(topology, positions);
+  for (int round = 0; round < 8; ++round) {
+    const Points moved = positions + offset.asDiagonal() * normals;
+    const Points after = triangle_normals(topology, moved);
+    std::vector<bool> folding(positions.rows(), false);
+    bool any = false;
+    for (int t = 0; t < after.rows(); ++t) {
+      if (after.row(t).dot(before.row(t)) > 0.3) continue;
+      any = true;
+      for (int k = 0; k < 3; ++k) folding[topology.triangles()(t, k)] = true;
+    }
+    if (!any) return;
+    for (int v = 0; v < offset.size(); ++v)
+      if (folding[v]) offset[v] *= 0.5;
+  }
+}
+
 }  // namespace
 
 Points project_smoothly(const Topology& topology, const Points& positions, const std::vector<bool>& fitted,
@@ -111,9 +129,10 @@ Points project_smoothly(const Topology& topology, const Points& positions, const
     if (round == 0) solver.analyzePattern(smooth);  // data lies on edges, which bending has already
     solver.factorize(system);
     if (solver.info() != Eigen::Success) break;
-    const Eigen::VectorXd offset = solver.solve(right);
-    for (int v = 0; v < topology.vertex_count(); ++v)
-      result.row(v) += std::clamp(offset[v], -options.limit, options.limit) * normals.row(v);
+    Eigen::VectorXd offset = solver.solve(right);
+    offset = offset.cwiseMax(-options.limit).cwiseMin(options.limit);
+    hold_back_folds(topology, result, normals, offset);
+    result += offset.asDiagonal() * normals;
   }
   return result;
 }

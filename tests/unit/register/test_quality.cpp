@@ -14,7 +14,8 @@ class JudgeTest : public testing::Test {
   Template head;
   Quality judged(const Points& positions, const Mesh& on, const std::vector<LandmarkResidual>& landmarks = {}) {
     const ScanSurface surface(on);
-    return judge(head, *model.topology, model.positions, positions, surface, landmarks);
+    const std::vector<bool> all(positions.rows(), true);
+    return judge(head, *model.topology, all, model.positions, positions, surface, landmarks);
   }
   bool says(const Quality& quality, const std::string& word) {
     for (const std::string& reason : quality.reasons)
