@@ -5,7 +5,6 @@
 #include "rig/region_masks.h"
 
 
-
 namespace vultus::apps {
 
 namespace fs = std::filesystem;

@@ -142,7 +142,9 @@ class Session {
     result_.warnings = basis_->warnings;
     retarget::SolveOptions solve;
     solve.smoothing = options_.smoothing;
-    setup_.emplace(SolveSetup{*actor_, *basis_, solve, options_.solver == "qp", basis_->decisions, basis_->warnings});
+    setup_.emplace(SolveSetup{*actor_, *basis_, solve, options_.solver == "qp",
+                              compared_divisions(*actor_, *basis_, options_.seed), basis_->decisions,
+                              basis_->warnings});
   }
 
   const SessionOptions& options_;

@@ -1,10 +1,12 @@
 #include "apps/session_solve.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "core/files.h"
 #include "retarget/errors.h"
+#include "rig/region_masks.h"
 
 namespace vultus::apps {
 namespace {
@@ -64,7 +66,37 @@ json report_of(const SessionTake& take, const SolveSetup& setup, const Solved& g
       {"solve", {{"worst_kkt_residual", chosen.result.worst_kkt_residual}, {"iterations", chosen.result.iterations}}}};
 }
 
+std::string row_name(int regions) { return std::to_string(regions) + " regions"; }
+
+/// Liu's table 1: the global solve first, then by rising number of regions.
+json error_table(const mocap::Take& take, const SolveSetup& setup, const Solved& global, const Solved& regional,
+                 int regions, Progress& progress) {
+  std::vector<retarget::ErrorSummary> rows = {retarget::summarize(regional.errors, row_name(regions), regions)};
+  for (const retarget::MarkerWeights& division : setup.compared) {
+    const int count = static_cast<int>(division.regions.size());
+    if (count == regions) continue;
+    rows.push_back(retarget::summarize(solved(take, setup, division, progress).errors, row_name(count), count));
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.regions < b.regions; });
+  json table = {row_json(retarget::summarize(global.errors, "global", 1))};
+  for (const retarget::ErrorSummary& row : rows) table.push_back(row_json(row));
+  return table;
+}
+
 }  // namespace
+
+std::vector<retarget::MarkerWeights> compared_divisions(const rig::Actor& actor, const SessionBasis& basis,
+                                                        std::uint64_t seed) {
+  std::vector<retarget::MarkerWeights> divisions;
+  if (actor.poses.size() < 2) return divisions;
+  for (const int regions : {2, 6, 9, 12}) {
+    if (regions == static_cast<int>(actor.regions.size())) continue;
+    rig::Actor divided = actor;
+    rig::divide_face(divided, {.regions = regions, .seed = seed});
+    divisions.push_back(retarget::marker_weights(divided, basis.basis.labels, basis.places()));
+  }
+  return divisions;
+}
 
 std::vector<std::string> solved_artefacts(const std::string& take) {
   std::vector<std::string> names;
@@ -83,8 +115,7 @@ json solve_and_write(const SessionTake& take, const SolveSetup& setup, const Pro
   const int regions = static_cast<int>(by_region.regions.size());
   const Solved regional = solved(in_space, setup, by_region, progress);
   const Solved& chosen = setup.regional ? regional : global;
-  const json table = {row_json(retarget::summarize(global.errors, "global", 1)),
-                      row_json(retarget::summarize(regional.errors, std::to_string(regions) + " regions", regions))};
+  const json table = error_table(in_space, setup, global, regional, regions, progress);
 
   const auto path = [&](const char* file) { return session.folder() / take_artefact(take.name, file); };
   retarget::write_weights(path("weights.npy"), chosen.result.weights);
@@ -95,9 +126,8 @@ json solve_and_write(const SessionTake& take, const SolveSetup& setup, const Pro
   session.save();
   char line[160];
   std::snprintf(line, sizeof line, "%s: mean marker error %.3f mm globally, %.3f mm with %d regions (%.0f frames/s)",
-                take.name.c_str(), table[0].at("mean_mm").is_null() ? 0.0 : table[0].at("mean_mm").get<double>(),
-                table[1].at("mean_mm").is_null() ? 0.0 : table[1].at("mean_mm").get<double>(), regions,
-                regional.frames_per_second);
+                take.name.c_str(), retarget::summarize(global.errors, "", 1).mean,
+                retarget::summarize(regional.errors, "", regions).mean, regions, regional.frames_per_second);
   progress.note(line);
   return table;
 }
