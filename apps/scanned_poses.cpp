@@ -4,7 +4,6 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "apps/registration_report.h"
@@ -57,6 +56,7 @@ struct Prepared {
 
 struct Attempt {
   std::optional<Registered> registered;
+  Mesh scan;     // of the neutral: its colours are wanted, too
   Image albedo;  // of a coloured neutral
   std::vector<std::string> cleaning;
   std::string problem;
@@ -78,6 +78,7 @@ class Scans {
     attempt.registered = registration_.neutral(scan.mesh, scan.landmarks, background_);
     attempt.albedo = albedo_of(*attempt.registered, scan.mesh);
     attempt.cleaning = std::move(scan.cleaning);
+    attempt.scan = std::move(scan.mesh);
     return attempt;
   }
 
@@ -113,6 +114,7 @@ class Scans {
 
 std::string report_name(const std::string& pose) { return "report/" + pose + ".json"; }
 std::string distance_name(const std::string& pose) { return "report/" + pose + ".distance.npy"; }
+constexpr const char* albedo_name = "maps/neutral/albedo.exr";
 std::string picture_name(const std::string& pose) { return "report/" + pose + ".png"; }
 
 // A scan that cannot be read is reported when its turn comes.
@@ -160,9 +162,24 @@ class Writer {
   bool is_current(const Work& work) const {
     const std::string& name = work.pose.name;
     if (!actor_.pose_is_current(name, work.provenance)) return false;
-    const std::array<std::string, 3> reports{report_name(name), distance_name(name), picture_name(name)};
-    return std::all_of(reports.begin(), reports.end(),
+    std::vector<std::string> files{report_name(name), distance_name(name), picture_name(name)};
+    if (name == "neutral" && actor_.manifest().has(albedo_name)) files.emplace_back(albedo_name);
+    return std::all_of(files.begin(), files.end(),
                        [&](const auto& file) { return actor_.manifest().is_current(file, work.provenance); });
+  }
+
+  /// The colour of the neutral's scan in texture space, where it has any.
+  void write_albedo(const Work& work, const Attempt& neutral) {
+    Mesh scan = neutral.scan;
+    const Registered& registered = *neutral.registered;
+    if (!registration::has_colour(scan) || !registered.mesh.topology->has_uvs()) {
+      actor_.manifest().forget(albedo_name);
+      return;
+    }
+    scan.positions = transformed(registered.face_from_scan, scan.positions);
+    const Points unseen = render::face_look(*registered.mesh.topology, registered.mesh.positions).colours;
+    actor_.write_map("neutral", "albedo", registration::transfer_colours(registered.mesh, scan, unseen),
+                     work.provenance);
   }
 
   void write(const Work& work, const Attempt& attempt, Progress& progress) {
@@ -237,6 +254,7 @@ ScannedPoses register_scans(const Capture& capture, const std::vector<CapturedPo
   const Attempt neutral = scans.neutral(poses.front());
   std::size_t next = 0;
   if (stale.front().pose.name == poses.front().name) {
+    output.write_albedo(stale.front(), neutral);
     output.write(stale.front(), neutral, progress);
     progress.advance();
     ++result.registered;
