@@ -124,6 +124,7 @@ LidMotion lid_motion(const FaceFeatures& face, Side side) {
 }
 
 void LidMotion::apply(Points& positions, double upper_closed, double lower_closed) const {
+  if (upper_closed == 0.0 && lower_closed == 0.0) return;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double rise = lower[i] * std::min(lower_closed, 1.0) - upper[i] * std::min(upper_closed, 1.0);
     Eigen::Vector3d arm = Eigen::Vector3d(positions.row(vertices[i])) - centre;
@@ -139,10 +140,11 @@ Eigen::VectorXd lid_hold(const FaceFeatures& face) {
   std::vector<bool> line(face.topology.vertex_count(), false);
   for (const char* set : {"lid_line_upper_left", "lid_line_lower_left", "lid_line_upper_right", "lid_line_lower_right"})
     for (const int v : face.topology.set(set)) line[v] = true;
-  const LidMotion eyes[2] = {lid_motion(face, Side::left), lid_motion(face, Side::right)};
+  const Sphere eyes[2] = {fitted_sphere(face.positions, face.topology.set("eyeball_left")),
+                          fitted_sphere(face.positions, face.topology.set("eyeball_right"))};
   for (int v = 0; v < face.topology.vertex_count(); ++v) {
     const Eigen::Vector3d p = face.positions.row(v);
-    const LidMotion& eye = eyes[p.x() > 0 ? 0 : 1];
+    const Sphere& eye = eyes[p.x() > 0 ? 0 : 1];
     const bool inside = lid[v] && (p - eye.centre).norm() < eye.radius + 1.0;
     if (line[v] || inside) given.emplace_back(v, 1.0);
     if (!lid[v]) given.emplace_back(v, 0.0);

@@ -74,7 +74,7 @@ LipAction lip_action(Muscle muscle) {
   LipAction a;
   switch (muscle) {
     case Muscle::pucker:
-      a.reach = 30, a.narrow = 0.37, a.forward = 7.0, a.open_upper = 0.6, a.open_lower = 0.8;
+      a.reach = 30, a.narrow = 0.37, a.forward = 7.0;
       break;
     case Muscle::funnel:
       a.reach = 25, a.narrow = 0.24, a.forward = 6.0, a.open_upper = 4.2, a.open_lower = 5.2;

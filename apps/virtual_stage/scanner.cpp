@@ -106,8 +106,6 @@ Points seen_colours(const std::vector<RangeSample>& samples, const ScanSubject& 
   return colours;
 }
 
-double coarse_spacing(double spacing) { return 2.0 * spacing; }  // behind the head
-
 int root(std::vector<int>& parent, int v) {
   while (parent[v] != v) v = parent[v] = parent[parent[v]];
   return v;
@@ -177,8 +175,10 @@ Scan scan_subject(const ScanSubject& subject, const ScanOptions& options) {
   scan.mesh.positions = measured(samples, subject, options);
   scan.mesh.colours = seen_colours(samples, subject, placed);
   for (const RangeSample& sample : samples) scan.truth.push_back(sample.place);
-  constexpr double bridged = 2.6;  // spacings: wide enough to join jittered neighbours, narrow enough to leave holes
-  Triangles triangles = surface_through(scan.mesh.positions, bridged * coarse_spacing(spacing));
+  constexpr double bridged = 3.2;  // spacings: wide enough to join jittered neighbours, narrow enough to leave holes
+  std::vector<double> reach;
+  for (const RangeSample& sample : samples) reach.push_back(bridged * spacing * ring.coarseness(sample.sensor));
+  Triangles triangles = surface_through(scan.mesh.positions, reach);
   face_sensors(triangles, scan.mesh.positions, samples);
   keep_used(scan, triangles);
   if (options.clutter) {

@@ -25,6 +25,8 @@ class SensorRing {
   /// the sensor that sees it best. Jitter and the orientation of the grids come from `seed`; the order and content do
   /// not depend on the thread count.
   std::vector<RangeSample> samples(double spacing, std::uint64_t seed) const;
+  /// A sensor's spacing relative to that of the sensors in front.
+  double coarseness(int sensor) const { return sensors_[sensor].coarseness; }
 
  private:
   struct Sensor {
