@@ -101,15 +101,16 @@ void spread(const Topology& topology, const std::vector<bool>& known, Points& co
   }
 }
 
-Points vertex_colours(const Mesh& registered, const Looker& looker, const Points& unseen) {
+Points vertex_colours(const Mesh& registered, const Looker& looker, const Points& unseen,
+                      const std::vector<bool>& hidden) {
   const Topology& topology = *registered.topology;
   const int vertices = topology.vertex_count();
   std::vector<Colour> seen(vertices);
   tbb::parallel_for(0, vertices, [&](int v) { seen[v] = looker.at_vertex(v); });
-  std::vector<bool> known = hidden_parts(topology);
+  std::vector<bool> known = hidden;
   Points colours = unseen;
   for (int v = 0; v < vertices; ++v) {
-    if (!seen[v]) continue;
+    if (!seen[v] || hidden[v]) continue;
     colours.row(v) = *seen[v];
     known[v] = true;
   }
@@ -135,13 +136,14 @@ Image transfer_colours(const Mesh& registered, const Mesh& scan, const Points& u
   if (!has_colour(scan)) throw InputError("the scan has no colour to carry to the texture");
   if (unseen.rows() != registered.topology->vertex_count()) throw InputError("one colour a vertex is needed for unseen parts");
   const Looker looker(registered, scan, options);
-  const Points filled = vertex_colours(registered, looker, unseen);
+  const std::vector<bool> hidden = hidden_parts(*registered.topology);
+  const Points filled = vertex_colours(registered, looker, unseen, hidden);
   const TextureSpace space(registered.topology, options.size, options.size);
   Image map = space.bake(filled.cast<float>(), {"R", "G", "B"});
   tbb::parallel_for(0, options.size, [&](int y) {
     for (int x = 0; x < options.size; ++x) {
       const SurfacePoint& place = space.at(x, y);
-      if (!place.valid()) continue;
+      if (!place.valid() || hidden[registered.topology->triangles()(place.triangle, 0)]) continue;
       if (const Colour colour = looker.at(place)) map.set_rgb(x, y, colour->cast<float>());
     }
   });

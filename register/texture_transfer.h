@@ -17,9 +17,9 @@ bool has_colour(const Mesh& scan);
 
 /// The scan's colour in the registered mesh's texture space, linear RGB, size×size, gutters filled.
 /// `scan` is in the frame of `registered`, mm. A texel takes the colour of the closest point of the scan where that is
-/// near and faces the same way. Unseen texels of skin are filled smoothly from their neighbours on the surface; unseen
-/// vertices of the sets that scans do not show (eyeball…, inner_mouth…, teeth…, gums…) keep `unseen` (vertex_count×3
-/// linear RGB). Throws `InputError` without UVs or colour.
+/// near and faces the same way. Unseen texels of skin are filled smoothly from their neighbours on the surface; sets
+/// that scans show only by chance and out of place (eyeball…, inner_mouth…, teeth…, gums…) keep `unseen`
+/// (vertex_count×3 linear RGB). Throws `InputError` without UVs or colour.
 Image transfer_colours(const Mesh& registered, const Mesh& scan, const Points& unseen,
                        const ColourTransferOptions& options = {});
 
