@@ -1,6 +1,7 @@
 #include "register/anchors.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "register/align.h"
@@ -29,7 +30,10 @@ void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, Anc
   for (std::size_t k = 0; k < shared.size(); ++k) {
     const int i = shared[k];
     const Eigen::Vector3d bias = (vertices.row(anchors.vertices[i]) - sightings.row(k)).transpose();
-    anchors.targets.row(i) += (turn.scale * (turn.rotation * bias)).transpose();
+    // A mouth seen open is another picture than a closed one: what has moved far has a bias of its own.
+    const double moved = (turn * Eigen::Vector3d(sightings.row(k)) - anchors.targets.row(i).transpose()).norm();
+    const double alike = std::exp(-std::pow(moved / 12.0, 2));
+    anchors.targets.row(i) += alike * (turn.scale * (turn.rotation * bias)).transpose();
   }
 }
 

@@ -11,6 +11,7 @@
 #include "register/align.h"
 #include "register/anchors.h"
 #include "register/fill.h"
+#include "register/jaw.h"
 #include "register/orientation.h"
 #include "register/project.h"
 #include "register/subdivide.h"
@@ -340,6 +341,10 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   if (anchors.size() < 6) throw InputError("fewer than 6 landmarks of the scan can be trusted; place some by hand");
   const Similarity scan_from_face = head_motion(neutral, anchors, rigid, scan);
   const Points rest = transformed(scan_from_face, neutral.mesh.positions);
+  const JawOpening jaw = find_jaw_opening(my.head, *my.loop.refined(), rest, my.fitted, anchors, scan);
+  if (jaw.angle > 0.0) prepared.decisions.push_back("jaw open by " + number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
+  std::vector<PointTerm> pulls = landmark_terms(anchors);
+  pulls.insert(pulls.end(), jaw.terms.begin(), jaw.terms.end());
   NonrigidOptions nonrigid;
   nonrigid.free_scale = false;
   // The same person: landmarks hardly lie, and the shape they give is kept against sliding along the surface.
@@ -348,8 +353,8 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   nonrigid.first_landmarks = 5.0;
   nonrigid.last_landmarks = 0.5;
   nonrigid.landmark_steps = 6;
-  const Points positions = fit_nonrigid(*my.loop.refined(), rest, rest, my.fitted, scan, landmark_terms(anchors),
-                                        my.detail(rest), nonrigid, progress)
+  const Points positions = fit_nonrigid(*my.loop.refined(), rest, rest, my.fitted, scan, pulls, my.detail(rest),
+                                        nonrigid, progress)
                                .positions;
   const Similarity face_from_mm =
       fit_similarity_robust(positions(rigid, Eigen::all), neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)

@@ -26,7 +26,7 @@ std::string name_of(Method method);
 struct RegisterOptions {
   Method method = Method::standard;
   double displacement_limit = 10.0;        ///< mm, > 0: Zhu's threshold against large displacements (§4.5.2)
-  double least_confidence = 0.15;          ///< landmarks found below this do not take part
+  double least_confidence = 0.1;           ///< landmarks found below this do not take part
   std::shared_ptr<const FaceFinder> finder;  ///< loaded on first need when absent
   QualityLimits limits;
   void validate() const;  ///< throws `InputError`

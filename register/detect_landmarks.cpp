@@ -74,6 +74,18 @@ struct View {
   std::array<double, 68> facing{};                        // cosine between surface normal and view
 };
 
+// Between open lips a ray goes on into the mouth: inner lip points that lie deep behind the outer lips are none.
+void drop_mouth_cavity(View& view, const Camera& camera) {
+  std::vector<double> depths;
+  for (int i = 48; i < 60; ++i)
+    if (view.points[i]) depths.push_back(camera.project(*view.points[i]).z());
+  if (depths.empty()) return;
+  const double farthest = *std::max_element(depths.begin(), depths.end());
+  const double span = farthest - *std::min_element(depths.begin(), depths.end());
+  for (int i = 60; i < 68; ++i)
+    if (view.points[i] && camera.project(*view.points[i]).z() > farthest + 0.3 * span) view.points[i].reset();
+}
+
 std::optional<View> look(const ScanPictures& pictures, const FaceFinder& finder, const Camera& camera,
                          const Eigen::Vector3d& light, double least_score) {
   const auto face = finder.find(pictures.shade(camera, light), least_score);
@@ -89,6 +101,7 @@ std::optional<View> look(const ScanPictures& pictures, const FaceFinder& finder,
     view.points[i] = eye + hit->distance * direction.normalized();
     view.facing[i] = facing;
   }
+  drop_mouth_cavity(view, camera);
   return view;
 }
 
@@ -225,7 +238,7 @@ double worth(int point, bool coloured) {
 }
 
 void agree(const std::vector<std::optional<View>>& views, double eye_distance, DetectedLandmarks& result) {
-  const double tolerance = 0.03 * eye_distance;  // some 2 mm on a head
+  const double tolerance = 0.05 * eye_distance;  // some 3 mm on a head
   std::vector<double> spreads;
   for (int i = 0; i < 68; ++i) {
     std::vector<Eigen::Vector3d> points;
