@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   fs::path folder;
-  int frames = 24, size = 384, samples = 16;
+  int frames = 12, size = 384, samples = 48;
 };
 
 OnboardResult onboard(const Arguments& arguments, Run& run) {
