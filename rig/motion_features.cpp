@@ -51,8 +51,24 @@ std::vector<int> mirror_vertices(const Points& rest, const std::vector<bool>& ca
   return mirror;
 }
 
+Eigen::VectorXd upper_face_side(const Points& neutral, const registration::Ibug68& points) {
+  Eigen::VectorXd side = Eigen::VectorXd::Zero(neutral.rows());
+  for (int needed : {33, 39, 42})
+    if (points[needed] < 0) return side;
+  const double eyes = 0.5 * (neutral(points[39], 1) + neutral(points[42], 1)), nose = neutral(points[33], 1);
+  const double middle = 0.5 * (neutral(points[39], 0) + neutral(points[42], 0));
+  const double apart = (neutral.row(points[42]) - neutral.row(points[39])).norm();
+  for (Eigen::Index v = 0; v < side.size(); ++v) {
+    // Full from a quarter of the nose below the eyes, nothing from its half on.
+    const double height = std::clamp((neutral(v, 1) - 0.5 * (eyes + nose)) / (0.25 * (eyes - nose)), 0.0, 1.0);
+    side[v] = height * std::tanh((neutral(v, 0) - middle) / (0.05 * apart));
+  }
+  return side;
+}
+
 Eigen::MatrixXd motion_features(std::span<const Points* const> poses, const std::vector<bool>& used,
-                                const std::vector<int>& mirror, double place_weight) {
+                                const std::vector<int>& mirror, const Eigen::VectorXd& side,
+                                const MotionFeatureWeights& weights) {
   std::vector<int> vertices, images;
   for (int v = 0; v < static_cast<int>(used.size()); ++v)
     if (used[v]) vertices.push_back(v);
@@ -68,8 +84,10 @@ Eigen::MatrixXd motion_features(std::span<const Points* const> poses, const std:
   for (Eigen::Index i = 0; i < place.rows(); ++i) place.row(i) = poses[0]->row(vertices[i]);
   place.rowwise() -= place.colwise().mean().eval();
   const double extent = std::sqrt(std::max(place.squaredNorm() / static_cast<double>(place.rows()), 1e-12));
-  Eigen::MatrixXd joint(motion.rows(), motion.cols() + 3);
-  joint << motion, place_weight / extent * place;
+  Eigen::VectorXd sides(motion.rows());
+  for (Eigen::Index i = 0; i < sides.size(); ++i) sides[i] = side[vertices[i]];
+  Eigen::MatrixXd joint(motion.rows(), motion.cols() + 4);
+  joint << motion, weights.place / extent * place, weights.side * sides;
   const Eigen::MatrixXd reduced = principal_components(joint);
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(used.size()), reduced.cols());
   for (std::size_t i = 0; i < vertices.size(); ++i) rows.row(vertices[i]) = reduced.row(static_cast<Eigen::Index>(i));

@@ -14,9 +14,9 @@
 namespace vultus::rig {
 namespace {
 
-// Anchor strengths 1/mm²: a still vertex yields to the gradients within about 2 mm of it, a moving one within 40 mm.
+// Anchor strengths 1/mm²: a still vertex yields to the gradients within about 2 mm of it, a moving one within 7 mm.
 constexpr double kHoldStill = 0.25;
-constexpr double kHoldMoving = 6e-4;
+constexpr double kHoldMoving = 0.02;
 constexpr double kStill = 0.02;  // mm
 
 bool same_connectivity(const Topology& a, const Topology& b) {

@@ -19,10 +19,13 @@ int smallest_patch(const PatchGraph& graph) {
   return best;
 }
 
-bool reached(const PatchGraph& graph, const MergeGoal& goal) {
-  if (goal.regions > 0) return graph.alive() <= goal.regions;
+bool all_large(const PatchGraph& graph, int min_vertices) {
   const int smallest = smallest_patch(graph);
-  return smallest < 0 || graph.vertices(smallest) >= goal.min_vertices;
+  return smallest < 0 || graph.vertices(smallest) >= min_vertices;
+}
+
+bool reached(const PatchGraph& graph, const MergeGoal& goal) {
+  return goal.regions > 0 ? graph.alive() <= goal.regions : all_large(graph, goal.min_vertices);
 }
 
 /// Patch on the other side of each patch: where most of its vertices' mirror images lie; itself if that is not mutual.
@@ -214,9 +217,9 @@ void merge_least_variance(const Adjacency& adjacency, const Eigen::MatrixXd& row
   for (int p = 0; p < patches.count; ++p) alone[p] = p;
   constexpr int any = std::numeric_limits<int>::max();
   while (!reached(graph, goal)) {
-    const bool by_number = goal.regions > 0;
-    const std::vector<int> candidates = by_number ? live_patches(graph) : std::vector<int>{smallest_patch(graph)};
-    Merge merge = cheapest(graph, mirrored, candidates, by_number ? graph.alive() - goal.regions : any);
+    const bool any_patch = goal.regions > 0 && all_large(graph, goal.min_vertices);
+    const std::vector<int> candidates = any_patch ? live_patches(graph) : std::vector<int>{smallest_patch(graph)};
+    Merge merge = cheapest(graph, mirrored, candidates, goal.regions > 0 ? graph.alive() - goal.regions : any);
     const bool one_sided = merge.empty();
     if (one_sided) merge = cheapest(graph, alone, candidates, 1);
     if (merge.empty()) break;

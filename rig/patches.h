@@ -21,8 +21,8 @@ Patches connected_patches(const Adjacency& adjacency, const std::vector<int>& la
 /// Gives vertices of label -1 the label of the nearest labelled vertex along edges, where a way leads to one.
 void spread_labels(const Adjacency& adjacency, const Points& positions, std::vector<int>& labels);
 
-/// When merging stops: at `regions` patches, or, if that is 0, when every patch has `min_vertices`. A division of
-/// several islands keeps at least one patch an island.
+/// When merging stops: at `regions` patches, or, if that is 0, when every patch has `min_vertices`. With both, patches
+/// below `min_vertices` are merged first. A division of several islands keeps at least one patch an island.
 struct MergeGoal {
   int regions = 0;
   int min_vertices = 0;

@@ -43,7 +43,7 @@ std::vector<Place> places_of(const Face& face) {
       {"mouth", face.all({48, 54, 60, 64})},
       {"upper_lip", face.all({50, 51, 52, 61, 62, 63})},
       {"lower_lip", face.all({56, 57, 58, 65, 66, 67})},
-      {"jaw", face.all({7, 8, 9})}};
+      {"jaw", face.all({4, 5, 6, 7, 8, 9, 10, 11, 12})}};
   // The cheeks have no points of their own: below the outer eye corner at the height between eye and mouth.
   if (face.has({36, 45, 48, 54}))
     places.push_back({"cheek", {0.55 * face.at(36) + 0.45 * face.at(48), 0.55 * face.at(45) + 0.45 * face.at(54)}});

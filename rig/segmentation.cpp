@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "core/error.h"
 #include "core/neighbours.h"
 #include "rig/attachments.h"
+#include "rig/feature_points.h"
 #include "rig/kmeans.h"
 #include "rig/motion_features.h"
 #include "rig/patches.h"
@@ -118,10 +118,11 @@ void copy_side(const std::vector<int>& mirror, const Points& rest, Patches& patc
   }
 }
 
-int patches_left(const Patches& patches) {
-  std::set<int> used(patches.labels.begin(), patches.labels.end());
-  used.erase(-1);
-  return static_cast<int>(used.size());
+std::vector<int> patch_sizes(const Patches& patches) {
+  std::vector<int> sizes(patches.count, 0);
+  for (int label : patches.labels)
+    if (label >= 0) ++sizes[label];
+  return sizes;
 }
 
 struct Problem {
@@ -164,8 +165,10 @@ Eigen::VectorXd importance(const MotionField& field) {
 
 Patches segment_motion(const Problem& problem, const Segmentation& so_far) {
   const int asked = problem.options.clusters;
-  const int clusters = asked > 0 ? asked : std::max(32, 4 * problem.goal.regions);
-  const Eigen::MatrixXd rows = motion_features(problem.poses, so_far.moving, problem.mirror);
+  const int clusters = asked > 0 ? asked : std::max(64, 4 * problem.goal.regions);
+  const registration::Ibug68 points = face_points(*problem.actor.topology, problem.actor.ibug68);
+  const Eigen::MatrixXd rows = motion_features(problem.poses, so_far.moving, problem.mirror,
+                                               upper_face_side(problem.actor.neutral(), points));
   const Eigen::VectorXd weights = importance(so_far.field);
   Patches patches = patches_of(problem, rows, weights, so_far.moving, clusters);
   merge_least_variance(problem.moving_adjacency, rows, weights, problem.mirror, problem.goal, patches);
@@ -174,7 +177,10 @@ Patches segment_motion(const Problem& problem, const Segmentation& so_far) {
                  refined);
   if (!problem.mirror.empty()) copy_side(problem.mirror, problem.rest(), refined);
   // A patch that is all border would vanish, and one merged on one side alone has no image: borders then stay rough.
-  return patches_left(refined) == patches.count ? refined : patches;
+  const std::vector<int> before = patch_sizes(patches), after = patch_sizes(refined);
+  for (int p = 0; p < patches.count; ++p)
+    if (2 * after[p] < before[p]) return patches;
+  return refined;
 }
 
 /// Gives every vertex a region and numbers regions by first vertex.
@@ -211,7 +217,8 @@ Segmentation segment(const Actor& actor, const SegmentationOptions& options) {
   result.follows = attachments(*actor.topology, problem.poses, problem.skin);
   problem.moving_adjacency = skin_adjacency(*actor.topology, result.moving);
   const auto moving = static_cast<int>(std::count(result.moving.begin(), result.moving.end(), true));
-  problem.goal = {options.regions, options.min_vertices > 0 ? options.min_vertices : std::max(1, moving / 12)};
+  const int least = options.regions == 0 ? moving / 12 : options.method == SegmentationMethod::motion ? moving / 100 : 0;
+  problem.goal = {options.regions, options.min_vertices > 0 ? options.min_vertices : least};
   if (options.symmetric) problem.mirror = mirror_vertices(problem.rest(), result.moving);
   Patches patches = options.method == SegmentationMethod::liu ? segment_liu(problem, result) : segment_motion(problem, result);
   label_everything(actor, problem.skin, std::move(patches), result);

@@ -16,8 +16,9 @@ enum class SegmentationMethod {
 struct SegmentationOptions {
   SegmentationMethod method = SegmentationMethod::motion;
   int regions = 6;          ///< how many; 1: the whole face; 0: decided by `min_vertices`
-  int min_vertices = 0;     ///< with regions = 0: no region has fewer; 0: a twelfth of the vertices that move
-  int clusters = 0;         ///< of k-means, before merging; 0: liu 8, motion 4 for each region and at least 32
+  int min_vertices = 0;     ///< no patch that is merged last has fewer; 0: of the vertices that move a twelfth with
+                            ///< regions = 0, else a hundredth (motion) or no limit (liu)
+  int clusters = 0;         ///< of k-means, before merging; 0: liu 8, motion 4 for each region and at least 64
   std::uint64_t seed = 1;   ///< of k-means++
   bool symmetric = true;    ///< regions mirror each other across x = 0 of the actor's rest shape
   void validate() const;    ///< throws `InputError`
