@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kNeutral = "generic_neutral_mesh";
+constexpr int kForm = 2;  // raised when the same folder gives another databank: sets, UVs, poses
 constexpr double kOuterEyeDistance = 92.0;  // mm, adult mean (Farkas 1994: 87–97)
 
 struct Index {
@@ -162,7 +163,7 @@ Provenance provenance_of(const fs::path& folder) {
     if (extension == ".obj" || extension == ".json")
       inputs[entry.path().filename().string()] = sha256_of_file(entry.path());
   }
-  return {"rig databank", {{"source", "ict-facekit"}}, inputs};
+  return {"rig databank", {{"source", "ict-facekit"}, {"form", kForm}}, inputs};
 }
 
 bool all_current(const Manifest& manifest, const Provenance& provenance) {

@@ -100,10 +100,8 @@ MotionTransfer::MotionTransfer(const TransferFace& source, const TransferFace& t
   } else {
     Correspondence found = correspond(*target.topology, target.neutral, target_points, *source.topology, source.neutral,
                                       source_points, options.search_mm);
+    // The deformed mesh is smooth where places on the other surface fold over each other (inside of the lips).
     impl_->source.neutral = found.deformed;
-    for (Eigen::Index v = 0; v < found.deformed.rows(); ++v)
-      if (const SurfacePoint& place = found.places[static_cast<std::size_t>(v)]; place.valid())
-        impl_->source.neutral.row(v) = position_of(place, *source.topology, source.neutral).transpose();
     impl_->source.correspondence = std::move(found);
   }
   if (options.scale > 0.0) {

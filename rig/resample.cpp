@@ -1,5 +1,7 @@
 #include "rig/resample.h"
 
+#include <memory>
+
 #include <Eigen/SparseCholesky>
 #include <tbb/parallel_for.h>
 
@@ -7,6 +9,7 @@
 #include "core/neighbours.h"
 #include "core/rays.h"
 #include "core/rbf.h"
+#include "rig/attachments.h"
 #include "rig/geodesic.h"
 
 namespace vultus::rig {
@@ -37,19 +40,71 @@ RbfMap surface_from_mesh(const Points& mesh_neutral, const registration::Ibug68&
   return RbfMap(source, target);
 }
 
-SurfacePoint along_normal(const RayScene& scene, const Points& surface_normals, const Eigen::Vector3d& from,
+/// A part of the source's surface that motion is looked for on.
+struct SurfacePart {
+  std::vector<int> triangles;   // of the whole surface
+  std::unique_ptr<RayScene> scene;
+  SurfacePoint whole(SurfacePoint place) const {
+    place.triangle = triangles[place.triangle];
+    return place;
+  }
+};
+
+SurfacePart part_of_surface(const Topology& surface, const Points& neutral, const std::vector<bool>& vertices) {
+  SurfacePart part;
+  const Triangles& all = surface.triangles();
+  for (int t = 0; t < all.rows(); ++t)
+    if (vertices[all(t, 0)] && vertices[all(t, 1)] && vertices[all(t, 2)]) part.triangles.push_back(t);
+  Triangles kept(static_cast<Eigen::Index>(part.triangles.size()), 3);
+  for (std::size_t t = 0; t < part.triangles.size(); ++t)
+    kept.row(static_cast<Eigen::Index>(t)) = all.row(part.triangles[t]);
+  part.scene = std::make_unique<RayScene>(*Topology::from_triangles(surface.vertex_count(), kept), neutral);
+  return part;
+}
+
+SurfacePoint along_normal(const SurfacePart& part, const Points& surface_normals, const Eigen::Vector3d& from,
                           const Eigen::Vector3d& normal, double reach) {
   SurfacePoint best;
   double best_distance = reach;
   for (double way : {1.0, -1.0}) {
     // Starting a hair behind the vertex also finds a surface that passes through it.
     const Eigen::Vector3d direction = way * normal;
-    const auto hit = scene.hit(from - 1e-4 * direction, direction, 0.0, best_distance);
-    if (!hit || normal.dot(surface_normals.row(hit->place.triangle)) < kSameWay) continue;
-    best = hit->place;
+    const auto hit = part.scene->hit(from - 1e-4 * direction, direction, 0.0, best_distance);
+    if (!hit || normal.dot(surface_normals.row(part.triangles[hit->place.triangle])) < kSameWay) continue;
+    best = part.whole(hit->place);
     best_distance = hit->distance;
   }
   return best;
+}
+
+std::vector<bool> members(const Topology& topology, const std::string& set) {
+  std::vector<bool> inside(static_cast<std::size_t>(topology.vertex_count()), false);
+  for (int v : topology.set(set)) inside[v] = true;
+  return inside;
+}
+
+/// Skin looks for skin along its normals; eyeballs and rows of teeth, where both faces name them, take the nearest place
+/// of their counterpart: a ray from an eyeball would meet the lids and bulge with every blink.
+void find_places(const Topology& mesh, const Topology& surface, const Points& surface_neutral, double search_mm,
+                 Correspondence& result) {
+  const Points normals = vertex_normals(mesh, result.deformed);
+  const Points surface_normals = triangle_normals(surface, surface_neutral);
+  const SurfacePart skin = part_of_surface(surface, surface_neutral, skin_vertices(surface));
+  std::vector<bool> solid(static_cast<std::size_t>(mesh.vertex_count()), false);
+  for (const char* set : {"eyeball_left", "eyeball_right", "teeth_upper", "teeth_lower"}) {
+    if (!mesh.has_set(set) || !surface.has_set(set)) continue;
+    const SurfacePart part = part_of_surface(surface, surface_neutral, members(surface, set));
+    for (int v : mesh.set(set)) {
+      solid[v] = true;
+      if (const auto closest = part.scene->closest(result.deformed.row(v).transpose()))
+        result.places[v] = part.whole(closest->place);
+    }
+  }
+  tbb::parallel_for(0, mesh.vertex_count(), [&](int v) {
+    if (!solid[v] && normals.row(v).squaredNorm() > 0.0)
+      result.places[v] = along_normal(skin, surface_normals, result.deformed.row(v).transpose(),
+                                      normals.row(v).transpose(), search_mm);
+  });
 }
 
 Points one_ring_average(const Adjacency& adjacency, const Points& values) {
@@ -100,15 +155,8 @@ Correspondence correspond(const Topology& mesh, const Points& mesh_neutral, cons
                           const registration::Ibug68& surface_points, double search_mm) {
   Correspondence result;
   result.deformed = surface_from_mesh(mesh_neutral, mesh_points, surface_neutral, surface_points)(mesh_neutral);
-  const Points normals = vertex_normals(mesh, result.deformed);
-  const Points surface_normals = triangle_normals(surface, surface_neutral);
-  const RayScene scene(surface, surface_neutral);
   result.places.resize(static_cast<std::size_t>(mesh.vertex_count()));
-  tbb::parallel_for(0, mesh.vertex_count(), [&](int v) {
-    if (normals.row(v).squaredNorm() > 0.0)
-      result.places[v] = along_normal(scene, surface_normals, result.deformed.row(v).transpose(),
-                                      normals.row(v).transpose(), search_mm);
-  });
+  find_places(mesh, surface, surface_neutral, search_mm, result);
   int found = 0;
   for (const SurfacePoint& place : result.places) found += place.valid() ? 1 : 0;
   result.found_share = static_cast<double>(found) / std::max(1, mesh.vertex_count());
