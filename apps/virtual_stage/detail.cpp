@@ -20,20 +20,6 @@ Eigen::VectorXd skin_share(const Topology& topology) {
   return share;
 }
 
-// Averages over neighbours, so that a set's border does not show as a step.
-void soften(Eigen::VectorXd& values, const Topology& topology, int rounds) {
-  const Triangles& triangles = topology.triangles();
-  for (int round = 0; round < rounds; ++round) {
-    Eigen::VectorXd sum = values, count = Eigen::VectorXd::Ones(values.size());
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-      for (int c = 0; c < 3; ++c) {
-        sum[triangles(t, c)] += values[triangles(t, (c + 1) % 3)];
-        count[triangles(t, c)] += 1.0;
-      }
-    values = sum.cwiseQuotient(count);
-  }
-}
-
 // Pits about 1.2 mm apart over an uneven ground; on the lips, upright lines instead.
 Eigen::VectorXd relief(const Points& fine, const Eigen::VectorXd& skin, const Eigen::VectorXd& lips, double scale,
                        const DetailOptions& options) {

@@ -61,7 +61,7 @@ void add_lower_face(std::vector<Expression>& all) {
 
 void add_visemes(std::vector<Expression>& all) {
   all.push_back(make("viseme_AI", {"viseme_AI", "AU25", "AU26"}, {{lips_part, 0.7}, {lower_lip_depressor, 0.3}, {upper_lip_raiser, 0.3}, {risorius, 0.2}}, 0.5));
-  all.push_back(make("viseme_O", {"viseme_O", "AU22", "AU26", "mouthFunnel"}, {{funnel, 0.7}, {pucker, 0.55}}, 0.38));
+  all.push_back(make("viseme_O", {"viseme_O", "AU22", "AU26", "mouthFunnel"}, {{funnel, 0.8}, {pucker, 0.38}}, 0.36));
   all.push_back(make("viseme_E", {"viseme_E", "AU20", "AU25"}, {{risorius, 0.6}, {zygomaticus, 0.2}, {lips_part, 1.0}, {lower_lip_depressor, 0.5}, {upper_lip_raiser, 0.25}}, 0.13));
   all.push_back(make("viseme_FV", {"viseme_FV", "AU28", "mouthRollLower"}, {{lower_lip_roll, 0.8}, {chin_raiser, 0.25}, {upper_lip_raiser, 0.4}, {lips_part, 0.3}}, 0.05, -0.1));
 }

@@ -36,7 +36,8 @@ std::shared_ptr<const Topology> with_contact_lines(const registration::Template&
 
 FaceFeatures::FaceFeatures(const Topology& topology_in, const Points& positions_in)
     : topology(topology_in), positions(positions_in), mirror(registration::template_mirror()),
-      normals(vertex_normals(topology_in, positions_in)) {
+      normals(vertex_normals(topology_in, positions_in)),
+      fields(topology_in, positions_in) {
   scale = (at("3.7") - at("3.7", Side::right)).norm() / 90.0;
 }
 
@@ -55,6 +56,19 @@ std::vector<int> FaceFeatures::line(const std::string& set) const {
   std::vector<int> vertices = topology.set(set);
   std::sort(vertices.begin(), vertices.end(), [&](int a, int b) { return positions(a, 0) < positions(b, 0); });
   return vertices;
+}
+
+void soften(Eigen::VectorXd& values, const Topology& topology, int rounds) {
+  const Triangles& triangles = topology.triangles();
+  for (int round = 0; round < rounds; ++round) {
+    Eigen::VectorXd sum = values, count = Eigen::VectorXd::Ones(values.size());
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+      for (int c = 0; c < 3; ++c) {
+        sum[triangles(t, c)] += values[triangles(t, (c + 1) % 3)];
+        count[triangles(t, c)] += 1.0;
+      }
+    values = sum.cwiseQuotient(count);
+  }
 }
 
 double smooth_step(double low, double high, double x) {

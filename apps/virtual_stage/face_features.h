@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/virtual_stage/muscles.h"
+#include "apps/virtual_stage/smooth_field.h"
 #include "core/mesh.h"
 #include "register/template.h"
 
@@ -21,6 +22,7 @@ struct FaceFeatures {
   const Points& positions;          ///< neutral, mm
   std::vector<int> mirror;          ///< twin of each control vertex
   Points normals;
+  SmoothFields fields;              ///< on the neutral
   double scale = 1.0;               ///< distance of the outer eye corners / 90 mm
 
   FaceFeatures(const Topology& topology, const Points& positions);
@@ -31,6 +33,9 @@ struct FaceFeatures {
   /// A set's vertices from right to left.
   std::vector<int> line(const std::string& set) const;
 };
+
+/// Averages values (vertex_count) with those of their neighbours, `rounds` times, so that a set's border is no step.
+void soften(Eigen::VectorXd& values, const Topology& topology, int rounds);
 
 /// 0 below `low`, 1 above `high`, smooth between.
 double smooth_step(double low, double high, double x);

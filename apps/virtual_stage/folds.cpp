@@ -55,20 +55,22 @@ void add_eye(std::vector<Line>& lines) {
 }
 
 void add_cheek(std::vector<Line>& lines) {
-  lines.push_back({{{"nose_crease_left", 1.5, 3}, {"nose_crease_left", 4.5, -6}, {"nasolabial_high_left", 5, -4}, {"nasolabial_left", 3, -1}, {"nasolabial_low_left", 3, 0}},
-                   1.5, 2.8, {{zygomaticus, 0.8}, {upper_lip_raiser, 0.8}, {nose_wrinkler, 0.7}, {risorius, 0.4}, {cheek_raiser, 0.15}}, 0.10});
+  lines.push_back({{{"nose_crease_left", 1.5, 3}, {"nose_crease_left", 4.5, -6}, {"nasolabial_high_left", 5, -4}, {"nasolabial_left", 3, -1}, {"nasolabial_low_left", 4, 0}, {"nasolabial_low_left", 3, -8}},
+                   1.0, 2.8, {{zygomaticus, 0.8}, {upper_lip_raiser, 0.8}, {nose_wrinkler, 0.7}, {risorius, 0.4}, {cheek_raiser, 0.15}}, 0.10});
   lines.push_back({{{"nasolabial_left", 11, -1}, {"nasolabial_low_left", 10, 0}, {"nasolabial_low_left", 6, -9}}, 0.8, 2.6,
                    {{zygomaticus, 0.6}, {risorius, 0.9}, {dimpler, 0.8}}});
-  lines.push_back({{{"8.3", 3, -3}, {"8.3", 4, -10}, {"mouth_chin_left", 1, 0}}, 1.1, 1.9, {{anguli_depressor, 1.0}, {chin_raiser, 0.25}}, 0.06});
+  lines.push_back({{{"8.3", 3, -1}, {"8.3", 5, -9}, {"mouth_chin_left", 3, 0}, {"mouth_chin_left", 2, -8}}, 0.75, 2.2, {{anguli_depressor, 1.0}, {chin_raiser, 0.25}}, 0.06});
 }
 
 void add_mouth(std::vector<Line>& lines) {
-  lines.push_back({{{"labiomental", -2, 1}, {"labiomental", 9, 0}, {"labiomental", 17, -3}}, 1.0, 2.2, {{chin_raiser, 1.0}, {anguli_depressor, 0.3}}, 0.05});
+  lines.push_back({{{"labiomental", -12, 0}, {"labiomental", 0, 1}, {"labiomental", 10, 0}, {"labiomental", 22, -5}}, 0.55, 2.4, {{chin_raiser, 1.0}, {anguli_depressor, 0.3}}, 0.05});
   const double at[] = {4.0, 9.0, 14.0, 19.0, 24.0};
   for (const double x : at) {
-    const double lean = 0.25 * x;
-    lines.push_back({{{"8.1", 0.75 * x, 2.0 - 0.12 * x}, {"8.1", 0.75 * x + 0.35 * lean, 9.0 - 0.1 * x}}, 0.4, 1.1, {{pucker, 1.0}, {lip_press, 0.25}}});
-    lines.push_back({{{"8.2", 0.75 * x, -2.0 + 0.1 * x}, {"8.2", 0.75 * x + 0.35 * lean, -7.5}}, 0.35, 1.1, {{pucker, 1.0}}});
+    const double lean = 0.25 * x, length = 6.0 + 2.0 * std::sin(1.7 * x);
+    lines.push_back({{{"8.1", 0.75 * x, 1.0 - 0.12 * x}, {"8.1", 0.75 * x + 0.35 * lean, 1.0 + length - 0.1 * x}},
+                     0.24, 1.2, {{pucker, 1.0}, {lip_press, 0.25}}});
+    lines.push_back({{{"8.2", 0.72 * x, -1.0 + 0.1 * x}, {"8.2", 0.72 * x + 0.35 * lean, -1.0 - 0.8 * length}},
+                     0.18, 1.2, {{pucker, 1.0}}});
   }
 }
 
@@ -109,7 +111,7 @@ std::vector<Eigen::Vector3d> curve(const std::vector<Eigen::Vector3d>& k) {
 // A valley with a soft bank on both sides: what goes in comes out beside it.
 double profile(double distance, double width) {
   const double u = distance / width;
-  return -std::exp(-u * u) + 0.42 * std::exp(-std::pow((u - 2.1) / 1.1, 2));
+  return -std::exp(-u * u) + 0.26 * std::exp(-std::pow((u - 2.1) / 1.1, 2));
 }
 
 Fold fold_of(const Line& line, Side side, const FaceFeatures& face, const Points& fine, const Eigen::VectorXd& skin) {
@@ -131,7 +133,7 @@ Fold fold_of(const Line& line, Side side, const FaceFeatures& face, const Points
     if (skin[v] <= 0 || (p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
     const Nearness near = nearness(p, path);
     if (near.distance > 4.5 * line.width * s) continue;
-    const double ends = smooth_step(0.0, 0.25, near.along) * smooth_step(0.0, 0.25, 1.0 - near.along);
+    const double ends = smooth_step(0.0, 0.4, near.along) * smooth_step(0.0, 0.4, 1.0 - near.along);
     const double d = skin[v] * line.depth * s * ends * profile(near.distance / s, line.width);
     if (std::abs(d) < 1e-4) continue;
     fold.vertices.push_back(static_cast<int>(v));

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include "apps/virtual_stage/smooth_field.h"
 
 namespace vultus::virtual_stage {
 namespace {
@@ -46,7 +45,7 @@ Eigen::VectorXd jaw_weight(const FaceFeatures& face) {
     else if (p.y() < fold.y() && p.y() > chin.y() - 6 * s && p.z() > chin.z() - 28 * s && std::abs(p.x()) < 30 * s)
       given.emplace_back(v, 1.0);
   }
-  return smooth_field(face.topology, face.positions, given).cwiseMax(0.0).cwiseMin(1.0);
+  return face.fields.through(given).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include <Eigen/Dense>
 
-#include "apps/virtual_stage/smooth_field.h"
 
 namespace vultus::virtual_stage {
 namespace {
@@ -67,8 +66,9 @@ std::string side_name(Side side) { return side == Side::left ? "left" : "right";
 
 // Angle field of one lid: `travel` at its margin and behind it, a remainder at the crease, 0 beyond the orbit.
 Eigen::VectorXd lid_field(const FaceFeatures& face, const LidMotion& lids, const std::string& set,
-                          const Profile& own_margin, const Profile& other_margin, bool is_upper, double crease_share) {
-  const std::vector<bool> lid = face.members(set), any_lid = face.members("lids"), rim = crease(face);
+                          const std::string& other_set, const Profile& own_margin, const Profile& other_margin, bool is_upper, double crease_share) {
+  std::vector<bool> lid = face.members(set);
+  const std::vector<bool> any_lid = face.members("lids"), rim = crease(face), other = face.members(other_set);
   const double to_line = is_upper ? 1.0 - closing_height : closing_height;
   std::vector<std::pair<int, double>> given;
   for (int v = 0; v < face.topology.vertex_count(); ++v) {
@@ -79,6 +79,9 @@ Eigen::VectorXd lid_field(const FaceFeatures& face, const LidMotion& lids, const
     const double travel =
         between_ends(own_margin, x) ? to_line * std::abs(interpolate(own_margin, x) - interpolate(other_margin, x)) : 0.0;
     const double angle = elevation(lids, p), edge = interpolate(own_margin, x);
+    // Towards the eye's corners vertices are in neither lid's set: the nearer margin takes them.
+    const double middle = 0.5 * (edge + interpolate(other_margin, x));
+    if (any_lid[v] && !lid[v] && !other[v]) lid[v] = is_upper ? angle > middle : angle < middle;
     constexpr double tolerance = 0.03;  // radians
     const bool at_margin = reach < lids.radius + 1.0 || (is_upper ? angle < edge + tolerance : angle > edge - tolerance);
     if (!near)
@@ -90,7 +93,7 @@ Eigen::VectorXd lid_field(const FaceFeatures& face, const LidMotion& lids, const
     else if (rim[v])
       given.emplace_back(v, crease_share * travel);
   }
-  return smooth_field(face.topology, face.positions, given);
+  return face.fields.through(given);
 }
 
 }  // namespace
@@ -106,8 +109,8 @@ LidMotion lid_motion(const FaceFeatures& face, Side side) {
   lids.axis = (along.x() < 0 ? Eigen::Vector3d(-along) : along).normalized();
 
   const Profile upper = margin(face, lids, "lid_line_upper_" + name), lower = margin(face, lids, "lid_line_lower_" + name);
-  const Eigen::VectorXd down = lid_field(face, lids, "upper_lid_" + name, upper, lower, true, 0.22);
-  const Eigen::VectorXd rise = lid_field(face, lids, "lower_lid_" + name, lower, upper, false, 0.3);
+  const Eigen::VectorXd down = lid_field(face, lids, "upper_lid_" + name, "lower_lid_" + name, upper, lower, true, 0.22);
+  const Eigen::VectorXd rise = lid_field(face, lids, "lower_lid_" + name, "upper_lid_" + name, lower, upper, false, 0.3);
   std::vector<double> u, l, c;
   for (int v = 0; v < face.topology.vertex_count(); ++v) {
     constexpr double still = 1e-4;  // radians
@@ -150,7 +153,7 @@ Eigen::VectorXd lid_hold(const FaceFeatures& face) {
     if (!lid[v]) given.emplace_back(v, 0.0);
     else if (rim[v]) given.emplace_back(v, 0.35);
   }
-  return smooth_field(face.topology, face.positions, given).cwiseMax(0.0).cwiseMin(1.0);
+  return face.fields.through(given).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 }  // namespace vultus::virtual_stage

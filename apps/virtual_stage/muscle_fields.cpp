@@ -7,7 +7,6 @@
 
 #include "apps/virtual_stage/jaw.h"
 #include "apps/virtual_stage/pulls.h"
-#include "apps/virtual_stage/smooth_field.h"
 
 namespace vultus::virtual_stage {
 namespace {
@@ -30,13 +29,18 @@ Eigen::VectorXd above_mouth(const FaceFeatures& face) {
     else if (face.positions(v, 1) < fold)
       given.emplace_back(v, -1.0);
   }
-  return smooth_field(face.topology, face.positions, given).cwiseMax(-1.0).cwiseMin(1.0);
+  return face.fields.through(given).cwiseMax(-1.0).cwiseMin(1.0);
 }
 
 class FieldMaker {
  public:
   FieldMaker(const FaceFeatures& face, const Eigen::VectorXd& hold) : face_(face), above_(above_mouth(face)) {
     soft_ = (1.0 - hold.array()).matrix();
+    // Along the lips normals turn from outward to into the mouth within millimetres: nothing swells along them.
+    swelling_ = Eigen::VectorXd::Ones(soft_.size());
+    for (const char* set : {"lips", "inner_mouth"})
+      for (const int v : face.topology.set(set)) swelling_[v] = 0.0;
+    soften(swelling_, face.topology, 20);
     for (const char* set : {"eyeballs", "teeth"})
       for (const int v : face.topology.set(set)) soft_[v] = 0.0;
   }
@@ -74,7 +78,7 @@ class FieldMaker {
       if (q >= 1.0 || soft_[v] <= 0.0) continue;
       const double w = std::pow(1.0 - q, 2) * soft_[v] * share(side, p.x()) * mask(pull.layer, static_cast<int>(v));
       const Eigen::Vector3d normal = face_.normals.row(v);
-      moved.row(v) += (w * s * (pull.displacement.cwiseProduct(flip) + pull.bulge * normal)).transpose();
+      moved.row(v) += (w * s * (pull.displacement.cwiseProduct(flip) + pull.bulge * swelling_[v] * normal)).transpose();
     }
   }
 
@@ -119,7 +123,7 @@ class FieldMaker {
   }
 
   const FaceFeatures& face_;
-  Eigen::VectorXd above_, soft_;
+  Eigen::VectorXd above_, soft_, swelling_;
 };
 
 }  // namespace

@@ -40,10 +40,14 @@ Operator cotangent_laplacian(const Topology& topology, const Points& positions) 
 
 }  // namespace
 
-Eigen::VectorXd smooth_field(const Topology& topology, const Points& positions,
-                             const std::vector<std::pair<int, double>>& given) {
-  const int n = topology.vertex_count();
+SmoothFields::SmoothFields(const Topology& topology, const Points& positions) {
   const Operator op = cotangent_laplacian(topology, positions);
+  const Sparse scaled = op.area.cwiseInverse().asDiagonal() * op.laplacian;
+  energy_ = op.laplacian.transpose() * scaled;
+}
+
+Eigen::VectorXd SmoothFields::through(const std::vector<std::pair<int, double>>& given) const {
+  const int n = static_cast<int>(energy_.rows());
   Eigen::VectorXd values = Eigen::VectorXd::Zero(n);
   std::vector<int> row(n, 0);
   for (const auto& [vertex, value] : given) {
@@ -54,13 +58,11 @@ Eigen::VectorXd smooth_field(const Topology& topology, const Points& positions,
   for (int v = 0; v < n; ++v)
     if (row[v] == 0) row[v] = unknowns++;
 
-  const Sparse scaled = op.area.cwiseInverse().asDiagonal() * op.laplacian;
-  const Sparse energy = op.laplacian.transpose() * scaled;
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
   constexpr double towards_zero = 1e-10;  // decides parts without a given value, nothing else
   for (int column = 0; column < n; ++column)
-    for (Sparse::InnerIterator it(energy, column); it; ++it) {
+    for (Sparse::InnerIterator it(energy_, column); it; ++it) {
       const int r = row[it.row()];
       if (r < 0) continue;
       if (row[column] < 0)

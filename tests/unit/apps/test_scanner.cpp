@@ -115,7 +115,7 @@ TEST(Scanner, HeadPoseIsRigidAndBounded) {
 TEST(Scanner, PatchesAreLost) {
   const ScanSubject subject = ball();
   ScanOptions options = quick();
-  options.triangles = 50'000;  // samples closer than the patches are wide
+  options.triangles = 30'000;  // samples closer than the patches are wide
   options.dropout = 0;
   const Scan whole = scan_subject(subject, options);
   options.dropout = 0.1;
