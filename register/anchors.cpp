@@ -37,6 +37,14 @@ void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, Anc
   }
 }
 
+// How far skin at a landmark can move against the skull, mm. A finder that takes brows for closed eyes is off by more.
+double farthest_motion(int ibug) {
+  if (ibug < 27) return ibug < 17 ? 45.0 : 15.0;  // jaw; brows
+  if (ibug < 36) return ibug < 31 ? 4.0 : 8.0;    // nose ridge; nostrils
+  if (ibug < 48) return ibug == 36 || ibug == 39 || ibug == 42 || ibug == 45 ? 5.0 : 12.0;  // eye corners; lids
+  return 45.0;
+}
+
 }  // namespace
 
 double unit_correction(double outer_eye_distance) {
@@ -56,6 +64,31 @@ Anchors make_anchors(const Template& head, const Points& vertices, const ScanLan
   Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan), std::move(pairs.confidence)};
   if (seen_template) cancel_bias(vertices, *seen_template, anchors);
   return anchors;
+}
+
+Anchors plausible_anchors(const Anchors& anchors, const Points& rest) {
+  bool bad_eye[2] = {false, false};
+  auto eye_of = [](int ibug) { return ibug < 36 || ibug > 47 ? -1 : ibug < 42 ? 0 : 1; };
+  std::vector<bool> keep(anchors.size(), true);
+  for (int i = 0; i < anchors.size(); ++i) {
+    const auto ibug = ibug_index(anchors.names[i]);
+    if (!ibug || anchors.confidence[i] >= 1.0) continue;
+    keep[i] = (rest.row(anchors.vertices[i]) - anchors.targets.row(i)).norm() <= farthest_motion(*ibug);
+    const bool corner = farthest_motion(*ibug) == 5.0;
+    if (!keep[i] && corner) bad_eye[eye_of(*ibug)] = true;
+  }
+  std::vector<int> rows;
+  for (int i = 0; i < anchors.size(); ++i) {
+    const auto ibug = ibug_index(anchors.names[i]);
+    const int eye = ibug ? eye_of(*ibug) : -1;
+    if (keep[i] && (eye < 0 || !bad_eye[eye])) rows.push_back(i);
+  }
+  Anchors kept{{}, {}, anchors.targets(rows, Eigen::all), anchors.confidence(rows)};
+  for (int i : rows) {
+    kept.names.push_back(anchors.names[i]);
+    kept.vertices.push_back(anchors.vertices[i]);
+  }
+  return kept;
 }
 
 ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given) {

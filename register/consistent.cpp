@@ -337,10 +337,14 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
                       : fit_similarity_robust(positions, neutral.mesh.positions, Scaling::fixed, 1.0).target_from_source;
     return my.finish(prepared, scan, anchors, positions, neutral.mesh.positions, face_from_mm);
   }
-  const Anchors anchors = expression_anchors(my.head, neutral, prepared, my.options.least_confidence);
-  if (anchors.size() < 6) throw InputError("fewer than 6 landmarks of the scan can be trusted; place some by hand");
-  const Similarity scan_from_face = head_motion(neutral, anchors, rigid, scan);
+  const Anchors found = expression_anchors(my.head, neutral, prepared, my.options.least_confidence);
+  if (found.size() < 6) throw InputError("fewer than 6 landmarks of the scan can be trusted; place some by hand");
+  const Similarity scan_from_face = head_motion(neutral, found, rigid, scan);
   const Points rest = transformed(scan_from_face, neutral.mesh.positions);
+  const Anchors anchors = plausible_anchors(found, rest);
+  if (anchors.size() < found.size())
+    prepared.decisions.push_back(std::to_string(found.size() - anchors.size()) +
+                                 " landmarks left out: farther from the neutral than skin can move");
   const JawOpening jaw = find_jaw_opening(my.head, *my.loop.refined(), rest, my.fitted, anchors, scan);
   if (jaw.angle > 0.0) prepared.decisions.push_back("jaw open by " + number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
   std::vector<PointTerm> pulls = landmark_terms(anchors);

@@ -9,6 +9,7 @@
 #include "core/neighbours.h"
 #include "register/fill.h"
 #include "register/smooth_projection.h"
+#include "register/unfold.h"
 
 namespace vultus::registration {
 namespace {
@@ -135,7 +136,9 @@ NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const 
     }
     progress.advance();
   }
+  result.positions = unfolded(topology, rest, result.positions);
   result.positions = project_smoothly(topology, result.positions, fitted, scan);
+  result.positions = unfolded(topology, rest, result.positions);
   carry_components(topology, rest, fitted, options.free_scale, result.positions);
   return result;
 }

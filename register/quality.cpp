@@ -11,6 +11,7 @@
 
 #include "core/neighbours.h"
 #include "core/rays.h"
+#include "register/unfold.h"
 
 namespace vultus::registration {
 namespace {
@@ -95,23 +96,13 @@ std::vector<bool> members(const Topology& topology, const std::string& set, cons
   return inside;
 }
 
-// A triangle has folded over when it looks against the mean of its corners' normals and did not do so before.
 int count_flipped(const Topology& topology, const Points& reference, const Points& positions,
                   const std::vector<bool>& fitted) {
-  auto against = [&](const Points& pose) {
-    const Points faces = triangle_normals(topology, pose), corners = vertex_normals(topology, pose);
-    std::vector<bool> flipped(faces.rows());
-    for (int t = 0; t < faces.rows(); ++t) {
-      const auto c = topology.triangles().row(t);
-      flipped[t] = faces.row(t).dot(corners.row(c[0]) + corners.row(c[1]) + corners.row(c[2])) < 0.0;
-    }
-    return flipped;
-  };
-  const std::vector<bool> before = against(reference), after = against(positions);
+  const std::vector<bool> folded = folded_triangles(topology, reference, positions);
   int count = 0;
   for (int t = 0; t < topology.triangles().rows(); ++t) {
     const auto c = topology.triangles().row(t);
-    if (after[t] && !before[t] && fitted[c[0]] && fitted[c[1]] && fitted[c[2]]) ++count;
+    if (folded[t] && fitted[c[0]] && fitted[c[1]] && fitted[c[2]]) ++count;
   }
   return count;
 }
