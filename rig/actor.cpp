@@ -1,7 +1,8 @@
 #include "rig/actor.h"
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
+
+#include <nlohmann/json.hpp>
 
 #include "core/array_io.h"
 #include "core/error.h"
@@ -47,8 +48,7 @@ std::vector<std::string> damaged(const Manifest& manifest) {
 
 bool has(const Manifest& manifest, const std::string& artefact) {
   const auto pending = manifest.facts().find("pending");
-  return manifest.has(artefact) ||
-         (pending != manifest.facts().end() && pending->at("files").contains(artefact));
+  return manifest.has(artefact) || (pending != manifest.facts().end() && pending->at("files").contains(artefact));
 }
 
 void require_sound(const Manifest& manifest) {
@@ -77,6 +77,17 @@ void read_poses(const Manifest& manifest, Actor& actor) {
     if (!has(manifest, artefact)) throw InputError(manifest.folder() / artefact, "is listed but was never recorded");
     actor.poses[i].positions = read_pose(current_path(manifest, artefact), actor.topology->vertex_count());
   });
+}
+
+/// Images of few channels are kept as half floats, whose rounding leaves sums near one, not at it.
+void normalize_texels(Image& masks) {
+  const auto channels = static_cast<std::size_t>(masks.channels());
+  for (std::size_t first = 0; first + channels <= masks.pixels().size(); first += channels) {
+    float sum = 0.0F;
+    for (std::size_t c = 0; c < channels; ++c) sum += masks.pixels()[first + c];
+    if (!(sum > 0.0F)) continue;
+    for (std::size_t c = 0; c < channels; ++c) masks.pixels()[first + c] /= sum;
+  }
 }
 
 Actor read_actor(const Manifest& manifest) {
@@ -108,6 +119,7 @@ void read_regions(const Manifest& manifest, Actor& actor) {
   const Json names = read_json(names_file).at("regions");
   const Array masks = read_npy(current_path(manifest, "regions/vertex_masks.npy"));
   actor.region_masks = read_image(current_path(manifest, "regions/masks.exr"), Encoding::raw);
+  normalize_texels(actor.region_masks);
   actor.regions.clear();
   const std::size_t count = names.size();
   const auto vertices = static_cast<std::size_t>(actor.topology->vertex_count());
@@ -163,7 +175,8 @@ Image load_map(const fs::path& folder, const std::string& pose, const std::strin
   if (has(manifest, artefact)) return read_image(current_path(manifest, artefact));
   std::string list;
   for (const std::string& name : map_names(folder, pose)) list += (list.empty() ? "" : ", ") + name;
-  throw InputError(folder, "pose \"" + pose + "\" has no map \"" + map + "\"; it has " + (list.empty() ? "none" : list));
+  throw InputError(folder,
+                   "pose \"" + pose + "\" has no map \"" + map + "\"; it has " + (list.empty() ? "none" : list));
 }
 
 }  // namespace vultus::rig

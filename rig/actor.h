@@ -30,15 +30,15 @@ struct Region {
 /// an actor folder (DESIGN §2).
 struct Actor {
   std::string name;
-  std::string template_name;                      ///< template the poses were registered to
+  std::string template_name;  ///< template the poses were registered to
   std::shared_ptr<const Topology> topology;
-  Points rest;                                    ///< vertex_count×3, the template's own shape on this topology, mm
-  std::optional<registration::Ibug68> ibug68;     ///< 68-point scheme as vertices of this topology
-  std::vector<Pose> poses;                        ///< poses[0] is "neutral"
-  std::vector<Region> regions;                    ///< empty until segmented; one "whole" region then counts
-  Image region_masks;                             ///< texture space, one channel a region, sums to 1 at every texel
-  std::map<std::string, SurfacePoint> markers;    ///< marker label → place on the topology
-  Image albedo;                                   ///< neutral's, linear RGB in texture space; may be empty
+  Points rest;                                  ///< vertex_count×3, the template's own shape on this topology, mm
+  std::optional<registration::Ibug68> ibug68;   ///< 68-point scheme as vertices of this topology
+  std::vector<Pose> poses;                      ///< poses[0] is "neutral"
+  std::vector<Region> regions;                  ///< empty until segmented; one "whole" region then counts
+  Image region_masks;                           ///< texture space, one channel a region, sums to 1 at every texel
+  std::map<std::string, SurfacePoint> markers;  ///< marker label → place on the topology
+  Image albedo;                                 ///< neutral's, linear RGB in texture space; may be empty
 
   const Points& neutral() const { return poses.front().positions; }
   std::vector<std::string> pose_names() const;

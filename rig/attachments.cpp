@@ -1,9 +1,9 @@
 #include "rig/attachments.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <limits>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -50,7 +50,8 @@ Points mean_motion(const std::vector<int>& part, std::span<const Points* const> 
   Points motion = Points::Zero(static_cast<Eigen::Index>(poses.size()), 3);
   for (std::size_t p = 1; p < poses.size(); ++p)
     for (int v : part)
-      motion.row(static_cast<Eigen::Index>(p)) += (poses[p]->row(v) - poses[0]->row(v)) / static_cast<double>(part.size());
+      motion.row(static_cast<Eigen::Index>(p)) +=
+          (poses[p]->row(v) - poses[0]->row(v)) / static_cast<double>(part.size());
   return motion;
 }
 
@@ -68,7 +69,8 @@ int most_alike(const Points& motion, const std::vector<int>& candidates, std::sp
 
 class SkinTree {
  public:
-  SkinTree(const Points& neutral, const std::vector<bool>& skin) : vertices_(chosen(skin)), tree_(rows_of(neutral, vertices_)) {}
+  SkinTree(const Points& neutral, const std::vector<bool>& skin)
+      : vertices_(chosen(skin)), tree_(rows_of(neutral, vertices_)) {}
   const std::vector<int>& vertices() const { return vertices_; }
   std::vector<int> nearest(const Eigen::Vector3d& place, int count) const {
     std::vector<int> found;

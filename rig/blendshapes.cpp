@@ -1,9 +1,9 @@
 #include "rig/blendshapes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -85,8 +85,7 @@ Blendshapes::Blendshapes(const Actor& actor, const std::vector<std::string>& pos
     }
     for (std::size_t r = 0; r < region_count_; ++r) {
       std::array<float, kBlock> mask{};
-      for (int i = 0; i < count; ++i)
-        mask[static_cast<std::size_t>(i)] = masks.empty() ? 1.0F : (*masks[r])[first + i];
+      for (int i = 0; i < count; ++i) mask[static_cast<std::size_t>(i)] = masks.empty() ? 1.0F : (*masks[r])[first + i];
       if (std::none_of(mask.begin(), mask.end(), [](float m) { return m != 0.0F; })) continue;
       block_masks_[b].push_back({static_cast<int>(r), masks_.size()});
       masks_.insert(masks_.end(), mask.begin(), mask.end());
@@ -120,7 +119,8 @@ void Blendshapes::blend_block(int number, std::span<const float> weights, std::s
   }
   const int first = number * kBlock, count = std::min(kBlock, vertices_ - first);
   for (int i = 0; i < count; ++i)
-    for (int axis = 0; axis < 3; ++axis) positions[static_cast<std::size_t>(first + i) * 3 + axis] = sum[axis * kBlock + i];
+    for (int axis = 0; axis < 3; ++axis)
+      positions[static_cast<std::size_t>(first + i) * 3 + axis] = sum[axis * kBlock + i];
 }
 
 void Blendshapes::blend(std::span<const float> weights, std::span<float> positions) const {
@@ -129,8 +129,7 @@ void Blendshapes::blend(std::span<const float> weights, std::span<float> positio
                      " poses needs as many weights, not " + std::to_string(weights.size()));
   if (positions.size() != static_cast<std::size_t>(vertices_) * 3)
     throw InputError("blending needs room for " + std::to_string(vertices_) + " vertices");
-  tbb::parallel_for(0, static_cast<int>(block_shifts_.size()),
-                    [&](int b) { blend_block(b, weights, positions); });
+  tbb::parallel_for(0, static_cast<int>(block_shifts_.size()), [&](int b) { blend_block(b, weights, positions); });
 }
 
 FloatPoints Blendshapes::operator()(std::span<const float> weights) const {

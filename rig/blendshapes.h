@@ -31,11 +31,11 @@ class Blendshapes {
   static constexpr int block = 256;  ///< vertices blended at once
 
  private:
-  struct Shift {                     // one pose's displacements of one block: x, y, z planes of `block` floats
+  struct Shift {  // one pose's displacements of one block: x, y, z planes of `block` floats
     int pose;
     std::size_t offset;
   };
-  struct Mask {                      // one region's mask over one block
+  struct Mask {  // one region's mask over one block
     int region;
     std::size_t offset;
   };
@@ -43,7 +43,7 @@ class Blendshapes {
 
   int vertices_ = 0;
   std::size_t pose_count_ = 0, region_count_ = 0;
-  std::vector<float> rest_;                 // blocks × 3 planes
+  std::vector<float> rest_;  // blocks × 3 planes
   std::vector<float> shifts_, masks_;
   std::vector<std::vector<Shift>> block_shifts_;
   std::vector<std::vector<Mask>> block_masks_;

@@ -1,19 +1,19 @@
 #include "rig/databank.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/mesh_io.h"
 #include "core/transform.h"
 #include "register/template_file.h"
-#include "rig/database.h"
 #include "rig/databank_parts.h"
+#include "rig/database.h"
 #include "rig/pending_files.h"
 
 namespace vultus::rig {
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kNeutral = "generic_neutral_mesh";
-constexpr int kForm = 2;  // raised when the same folder gives another databank: sets, UVs, poses
+constexpr int kForm = 2;                    // raised when the same folder gives another databank: sets, UVs, poses
 constexpr double kOuterEyeDistance = 92.0;  // mm, adult mean (Farkas 1994: 87–97)
 
 struct Index {
@@ -73,8 +73,8 @@ Similarity face_from_model(const Points& neutral, const registration::Ibug68& ib
     return misfit(a.second) < misfit(b.second);
   });
   if (misfit(best->second) > std::log(1.5))
-    throw InputError(file, fmt::format("outer eye corners are {:.3g} units apart, which is a head in no unit known",
-                                       across.norm()));
+    throw InputError(
+        file, fmt::format("outer eye corners are {:.3g} units apart, which is a head in no unit known", across.norm()));
   decisions.push_back(fmt::format("units: {}, since the outer eye corners are {:.4g} apart ({:.1f} mm)", best->first,
                                   across.norm(), best->second * across.norm()));
   Similarity frame;
@@ -202,8 +202,7 @@ std::vector<std::string> import_ict_facekit(const fs::path& ict_folder, const fs
                                             bool force) {
   if (!fs::is_directory(ict_folder)) throw InputError(ict_folder, "is no folder");
   const Provenance provenance = provenance_of(ict_folder);
-  if (!force && all_current(Manifest::open(out / "actor.json", "actor"), provenance))
-    return {"everything is current"};
+  if (!force && all_current(Manifest::open(out / "actor.json", "actor"), provenance)) return {"everything is current"};
   const Databank bank = read_ict_facekit(ict_folder, progress);
   save_actor(out, bank.actor, provenance);
   ActorWriter writer(out);
@@ -226,7 +225,8 @@ std::vector<Pose> load_identities(const fs::path& databank_folder) {
   std::vector<Pose> identities;
   for (const std::string& artefact : manifest.artefacts())
     if (artefact.starts_with("identities/"))
-      identities.push_back({fs::path(artefact).stem().string(), {}, read_mesh(current_path(manifest, artefact)).positions});
+      identities.push_back(
+          {fs::path(artefact).stem().string(), {}, read_mesh(current_path(manifest, artefact)).positions});
   return identities;
 }
 

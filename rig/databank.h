@@ -12,10 +12,10 @@ namespace vultus::rig {
 
 /// Expressions of one neutral head, to be brought to others by motion transfer; with what else the source offers.
 struct Databank {
-  Actor actor;                          ///< neutral and expressions
-  registration::Template head;          ///< the same topology as a template for registration
-  std::vector<Pose> identities;         ///< neutral heads of other shapes
-  std::vector<std::string> decisions;   ///< what reading decided (units, frame, skipped files), for the report
+  Actor actor;                         ///< neutral and expressions
+  registration::Template head;         ///< the same topology as a template for registration
+  std::vector<Pose> identities;        ///< neutral heads of other shapes
+  std::vector<std::string> decisions;  ///< what reading decided (units, frame, skipped files), for the report
 };
 
 /// Reads a folder of ICT-FaceKit's light model: `generic_neutral_mesh.obj`, `vertex_indices.json`, the expressions it

@@ -159,13 +159,13 @@ std::vector<registration::Landmark> mpeg4_landmarks(const registration::Ibug68& 
 
 std::vector<std::string> ict_pose_tags(const std::string& pose) {
   static const std::map<std::string, const char*> units = {
-      {"browInnerUp", "AU1"},    {"browOuterUp", "AU2"},   {"browDown", "AU4"},       {"eyeWide", "AU5"},
-      {"cheekSquint", "AU6"},    {"cheekRaiser", "AU6"},   {"eyeSquint", "AU7"},      {"noseSneer", "AU9"},
-      {"mouthShrugUpper", "AU10"}, {"mouthUpperUp", "AU11"}, {"mouthSmile", "AU12"},  {"mouthDimple", "AU14"},
-      {"mouthFrown", "AU15"},    {"mouthLowerDown", "AU16"}, {"mouthShrugLower", "AU17"}, {"mouthPucker", "AU18"},
-      {"mouthStretch", "AU20"},  {"mouthFunnel", "AU22"},  {"mouthPress", "AU24"},    {"jawOpen", "AU27"},
-      {"mouthRollLower", "AU28"}, {"mouthRollUpper", "AU28"}, {"jawForward", "AU29"}, {"jawLeft", "AU30"},
-      {"jawRight", "AU30"},      {"cheekPuff", "AU33"},    {"eyeBlink", "AU45"},      {"eyeLookUp", "AU63"},
+      {"browInnerUp", "AU1"},      {"browOuterUp", "AU2"},     {"browDown", "AU4"},         {"eyeWide", "AU5"},
+      {"cheekSquint", "AU6"},      {"cheekRaiser", "AU6"},     {"eyeSquint", "AU7"},        {"noseSneer", "AU9"},
+      {"mouthShrugUpper", "AU10"}, {"mouthUpperUp", "AU11"},   {"mouthSmile", "AU12"},      {"mouthDimple", "AU14"},
+      {"mouthFrown", "AU15"},      {"mouthLowerDown", "AU16"}, {"mouthShrugLower", "AU17"}, {"mouthPucker", "AU18"},
+      {"mouthStretch", "AU20"},    {"mouthFunnel", "AU22"},    {"mouthPress", "AU24"},      {"jawOpen", "AU27"},
+      {"mouthRollLower", "AU28"},  {"mouthRollUpper", "AU28"}, {"jawForward", "AU29"},      {"jawLeft", "AU30"},
+      {"jawRight", "AU30"},        {"cheekPuff", "AU33"},      {"eyeBlink", "AU45"},        {"eyeLookUp", "AU63"},
       {"eyeLookDown", "AU64"}};
   std::string base = pose, side;
   if (pose.ends_with("_L") || pose.ends_with("_R")) {

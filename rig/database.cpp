@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-
 #include <nlohmann/json.hpp>
 
 #include "core/array_io.h"
@@ -84,7 +83,8 @@ ActorWriter::ActorWriter(const fs::path& folder, const std::string& name)
 
 const std::shared_ptr<const Topology>& ActorWriter::topology() {
   if (!topology_) {
-    if (!manifest_.has(kTopology)) throw InputError(folder(), "has no topology yet; it is written before anything else");
+    if (!manifest_.has(kTopology))
+      throw InputError(folder(), "has no topology yet; it is written before anything else");
     topology_ = read_topology(current_path(manifest_, kTopology), current_path(manifest_, kTopologyNames)).topology;
   }
   return topology_;
@@ -206,7 +206,10 @@ void write_regions(Manifest& manifest, int vertex_count, const std::vector<Regio
   commit_files(manifest,
                {{kMasks, [&](const fs::path& file) { write_image(file, masks); }},
                 {kVertexMasks, [&](const fs::path& file) { write_npy(file, vertex_masks); }},
-                {kRegions, [&](const fs::path& file) { write_json(file, {{"regions", names}}); }}},
+                {kRegions,
+                 [&](const fs::path& file) {
+                   write_json(file, {{"regions", names}});
+                 }}},
                provenance);
 }
 

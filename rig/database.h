@@ -14,9 +14,8 @@ namespace vultus::rig {
 
 /// Builds an actor folder (DESIGN §2) one artefact at a time:
 ///   actor.json            manifest: name, units, template, poses with tags in order, provenance and hash of each file
-///   topology.obj/.json    polygons, UVs and the template's rest shape; vertex sets and landmarks (template.json's form)
-///   poses/<pose>.ply      regions/{masks.exr,vertex_masks.npy,regions.json}
-///   maps/<pose>/<map>.exr markers.json
+///   topology.obj/.json    polygons, UVs and the template's rest shape; vertex sets and landmarks (template.json's
+///   form) poses/<pose>.ply      regions/{masks.exr,vertex_masks.npy,regions.json} maps/<pose>/<map>.exr markers.json
 /// Every `write_…` is one transaction: files are written aside, announced in the manifest and then moved, so that a
 /// process that dies leaves the previous state or the new one; the next writer or reader finishes a move cut short.
 /// The `…_current` questions let a second run skip what an equal `Provenance` already made.

@@ -1,13 +1,13 @@
 #include "rig/deformation_transfer.h"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
-#include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -15,10 +15,10 @@
 namespace vultus::rig {
 namespace {
 
-constexpr double kContactWeight = 20.0;     // against cotangent weights near one
-constexpr double kLeastCotangent = 1e-3;    // keeps every term ≥ 0 on obtuse triangles
+constexpr double kContactWeight = 20.0;   // against cotangent weights near one
+constexpr double kLeastCotangent = 1e-3;  // keeps every term ≥ 0 on obtuse triangles
 constexpr double kMostCotangent = 20.0;
-constexpr double kMostStretch = 30.0;       // a gradient beyond this comes from a sliver and says nothing
+constexpr double kMostStretch = 30.0;  // a gradient beyond this comes from a sliver and says nothing
 constexpr int kNearRings = 4;
 constexpr int kNearestFew = 12;
 
@@ -76,7 +76,8 @@ Eigen::Matrix3d DeformationTransfer::gradient(Eigen::Index triangle, const Point
 }
 
 Points DeformationTransfer::solve(const Points& source_pose, const Eigen::Matrix3d& rotation, const Points& anchors,
-                                  const Eigen::VectorXd& strength, const std::vector<OffsetConstraint>& contacts) const {
+                                  const Eigen::VectorXd& strength,
+                                  const std::vector<OffsetConstraint>& contacts) const {
   const Eigen::Index count = target_.rows();
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(triangles_.rows()) * 12 + contacts.size() * 4 + count);

@@ -29,8 +29,8 @@ class DeformationTransfer {
 
   Triangles triangles_;
   Points source_, target_;
-  Points cotangents_;        // triangles × 3: weight of the edge opposite each corner
-  Eigen::VectorXd areas_;    // vertices
+  Points cotangents_;      // triangles × 3: weight of the edge opposite each corner
+  Eigen::VectorXd areas_;  // vertices
 };
 
 /// Pairs of vertices that lie face to face within `distance` mm: nearest vertices of opposing normals that are no near

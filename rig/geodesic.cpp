@@ -32,8 +32,8 @@ void sort_unique(std::vector<int>& values) {
 EdgeDistances edge_distances(const Adjacency& adjacency, const Points& positions, std::span<const int> sources,
                              const std::vector<bool>& allowed) {
   const auto count = static_cast<std::size_t>(positions.rows());
-  EdgeDistances result{std::vector<double>(count, std::numeric_limits<double>::infinity()),
-                       std::vector<int>(count, -1), std::vector<int>(count, -1)};
+  EdgeDistances result{std::vector<double>(count, std::numeric_limits<double>::infinity()), std::vector<int>(count, -1),
+                       std::vector<int>(count, -1)};
   using Entry = std::tuple<double, int, int>;  // distance, source, vertex: equal distances settle by source
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (std::size_t s = 0; s < sources.size(); ++s) {
@@ -63,8 +63,7 @@ std::vector<int> closed_contour(const Adjacency& adjacency, const Points& positi
                                 const std::vector<bool>& allowed) {
   std::vector<int> contour;
   for (std::size_t i = 0; i < ring.size(); ++i) {
-    const std::vector<int> way =
-        way_between(adjacency, positions, ring[i], ring[(i + 1) % ring.size()], allowed);
+    const std::vector<int> way = way_between(adjacency, positions, ring[i], ring[(i + 1) % ring.size()], allowed);
     contour.insert(contour.end(), way.begin(), way.end());
   }
   sort_unique(contour);

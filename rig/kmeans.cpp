@@ -1,8 +1,8 @@
 #include "rig/kmeans.h"
 
-#include <limits>
-
 #include <tbb/parallel_for.h>
+
+#include <limits>
 
 #include "core/error.h"
 #include "core/random.h"

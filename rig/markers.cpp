@@ -1,7 +1,6 @@
 #include "rig/markers.h"
 
 #include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"

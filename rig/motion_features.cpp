@@ -1,9 +1,8 @@
 #include "rig/motion_features.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Eigenvalues>
 
 namespace vultus::rig {
 namespace {

@@ -1,11 +1,11 @@
 #include "rig/motion_field.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include <Eigen/Eigenvalues>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 

@@ -9,10 +9,10 @@ namespace vultus::rig {
 
 /// How the vertices of a blendshape rig move (Liu et al. 2011 §3.2.1): PCA of each vertex over all poses.
 struct MotionField {
-  Points directions;            ///< n×3, unit first principal component; zero for a vertex that never moves
-  Eigen::VectorXd deviation;    ///< n, standard deviation along it, mm
-  Eigen::VectorXd certainty;    ///< n, in [0, 1]: 1 − λ₂/λ₁; 0 where no direction is preferred
-  Eigen::VectorXd range;        ///< n, greatest distance of any pose from the first, mm
+  Points directions;          ///< n×3, unit first principal component; zero for a vertex that never moves
+  Eigen::VectorXd deviation;  ///< n, standard deviation along it, mm
+  Eigen::VectorXd certainty;  ///< n, in [0, 1]: 1 − λ₂/λ₁; 0 where no direction is preferred
+  Eigen::VectorXd range;      ///< n, greatest distance of any pose from the first, mm
 };
 
 /// `poses` are shapes on one topology, n×3 mm; at least two. The signs of the directions are arbitrary (Liu figure 1a).

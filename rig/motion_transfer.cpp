@@ -1,8 +1,8 @@
 #include "rig/motion_transfer.h"
 
-#include <algorithm>
-
 #include <tbb/parallel_for.h>
+
+#include <algorithm>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -56,7 +56,7 @@ struct MotionTransfer::Impl {
   double scale = 1.0;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // target from source
   std::optional<DeformationTransfer> gradients;
-  std::vector<std::pair<int, int>> touching;               // in the source's neutral
+  std::vector<std::pair<int, int>> touching;  // in the source's neutral
 
   Points motion(const Points& source_pose) const {
     const Points moved = source_pose - source_neutral;
@@ -78,8 +78,9 @@ struct MotionTransfer::Impl {
 
   Points by_gradient(const Points& moved) const {
     const Points scaled = scale * moved * rotation.transpose();
-    const Eigen::VectorXd strength = (moved.rowwise().norm().array() < kStill).select(
-        Eigen::VectorXd::Constant(moved.rows(), kHoldStill), Eigen::VectorXd::Constant(moved.rows(), kHoldMoving));
+    const Eigen::VectorXd strength = (moved.rowwise().norm().array() < kStill)
+                                         .select(Eigen::VectorXd::Constant(moved.rows(), kHoldStill),
+                                                 Eigen::VectorXd::Constant(moved.rows(), kHoldMoving));
     const Points pose = source.neutral + moved;
     return gradients->solve(pose, rotation, target + scaled, strength, contact_offsets(pose, scaled));
   }
@@ -110,7 +111,8 @@ MotionTransfer::MotionTransfer(const TransferFace& source, const TransferFace& t
     impl_->scales = transfer_scale(source.neutral, source_points, target.neutral, target_points);
     impl_->scale = impl_->scales->mean();
   }
-  impl_->rotation = fit_similarity_robust(impl_->source.neutral, target.neutral, Scaling::free).target_from_source.rotation;
+  impl_->rotation =
+      fit_similarity_robust(impl_->source.neutral, target.neutral, Scaling::free).target_from_source.rotation;
   if (options.method != TransferMethod::gradient) return;
   impl_->gradients.emplace(*target.topology, impl_->source.neutral, target.neutral);
   impl_->touching = contacts(*target.topology, impl_->source.neutral, options.contact_mm);
@@ -138,7 +140,8 @@ double MotionTransfer::found_share() const {
 std::vector<Pose> transfer_poses(const Actor& databank, const TransferFace& target, const TransferOptions& options) {
   const MotionTransfer transfer({databank.topology, databank.neutral(), databank.ibug68}, target, options);
   std::vector<Pose> poses(databank.poses.begin() + 1, databank.poses.end());
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) { poses[i].positions = transfer(poses[i].positions); });
+  tbb::parallel_for(std::size_t{0}, poses.size(),
+                    [&](std::size_t i) { poses[i].positions = transfer(poses[i].positions); });
   return poses;
 }
 

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <set>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "rig/patches.h"
 

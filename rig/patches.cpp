@@ -130,7 +130,8 @@ int best_label(int v, const Adjacency& adjacency, const Eigen::MatrixXd& rows, c
       all += 1.0;
       others += labels[neighbour] != label ? 1.0 : 0.0;
     }
-    const double cost = (rows.row(v) - means.row(label)).squaredNorm() / spread + (all > 0 ? stiffness * others / all : 0);
+    const double cost =
+        (rows.row(v) - means.row(label)).squaredNorm() / spread + (all > 0 ? stiffness * others / all : 0);
     if (cost < best_cost) {
       best_cost = cost;
       best = label;

@@ -20,8 +20,7 @@ const Json* pending(const Manifest& manifest) {
   if (found == manifest.facts().end()) return nullptr;
   bool sound = found->is_object() && found->contains("provenance") && found->contains("files") &&
                (*found)["files"].is_object() && (*found)["provenance"].is_object();
-  for (const char* part : {"command", "options", "inputs"})
-    sound = sound && (*found)["provenance"].contains(part);
+  for (const char* part : {"command", "options", "inputs"}) sound = sound && (*found)["provenance"].contains(part);
   if (sound)
     for (const Json& hash : (*found)["files"]) sound = sound && hash.is_string();
   if (!sound) throw InputError(manifest.folder(), "its manifest was damaged or edited by hand at \"pending\"");

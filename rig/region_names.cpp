@@ -36,14 +36,13 @@ class Face {
 };
 
 std::vector<Place> places_of(const Face& face) {
-  std::vector<Place> places = {
-      {"brow", face.all({17, 18, 19, 20, 21, 22, 23, 24, 25, 26})},
-      {"eye", face.all({36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47})},
-      {"nose", face.all({28, 29, 30, 31, 33, 35})},
-      {"mouth", face.all({48, 54, 60, 64})},
-      {"upper_lip", face.all({50, 51, 52, 61, 62, 63})},
-      {"lower_lip", face.all({56, 57, 58, 65, 66, 67})},
-      {"jaw", face.all({4, 5, 6, 7, 8, 9, 10, 11, 12})}};
+  std::vector<Place> places = {{"brow", face.all({17, 18, 19, 20, 21, 22, 23, 24, 25, 26})},
+                               {"eye", face.all({36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47})},
+                               {"nose", face.all({28, 29, 30, 31, 33, 35})},
+                               {"mouth", face.all({48, 54, 60, 64})},
+                               {"upper_lip", face.all({50, 51, 52, 61, 62, 63})},
+                               {"lower_lip", face.all({56, 57, 58, 65, 66, 67})},
+                               {"jaw", face.all({4, 5, 6, 7, 8, 9, 10, 11, 12})}};
   // The cheeks have no points of their own: below the outer eye corner at the height between eye and mouth.
   if (face.has({36, 45, 48, 54}))
     places.push_back({"cheek", {0.55 * face.at(36) + 0.45 * face.at(48), 0.55 * face.at(45) + 0.45 * face.at(54)}});

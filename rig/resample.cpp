@@ -1,9 +1,9 @@
 #include "rig/resample.h"
 
-#include <memory>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/SparseCholesky>
-#include <tbb/parallel_for.h>
+#include <memory>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -42,7 +42,7 @@ RbfMap surface_from_mesh(const Points& mesh_neutral, const registration::Ibug68&
 
 /// A part of the source's surface that motion is looked for on.
 struct SurfacePart {
-  std::vector<int> triangles;   // of the whole surface
+  std::vector<int> triangles;  // of the whole surface
   std::unique_ptr<RayScene> scene;
   SurfacePoint whole(SurfacePoint place) const {
     place.triangle = triangles[place.triangle];
@@ -83,8 +83,8 @@ std::vector<bool> members(const Topology& topology, const std::string& set) {
   return inside;
 }
 
-/// Skin looks for skin along its normals; eyeballs and rows of teeth, where both faces name them, take the nearest place
-/// of their counterpart: a ray from an eyeball would meet the lids and bulge with every blink.
+/// Skin looks for skin along its normals; eyeballs and rows of teeth, where both faces name them, take the nearest
+/// place of their counterpart: a ray from an eyeball would meet the lids and bulge with every blink.
 void find_places(const Topology& mesh, const Topology& surface, const Points& surface_neutral, double search_mm,
                  Correspondence& result) {
   const Points normals = vertex_normals(mesh, result.deformed);

@@ -17,9 +17,9 @@ namespace {
 constexpr int kSmoothingRounds = 4;
 constexpr int kRefiningRounds = 8;
 constexpr double kBorderStiffness = 2.0;
-constexpr double kStill = 0.25;         // mm
-constexpr double kStillShare = 0.05;    // of the greatest motion
-constexpr double kVisibleShare = 0.2;   // of the greatest motion: counts half
+constexpr double kStill = 0.25;          // mm
+constexpr double kStillShare = 0.05;     // of the greatest motion
+constexpr double kVisibleShare = 0.2;    // of the greatest motion: counts half
 constexpr double kSmallestIsland = 0.2;  // of the largest island's vertices
 
 std::vector<const Points*> pose_pointers(const Actor& actor) {
@@ -131,7 +131,7 @@ struct Problem {
   std::vector<const Points*> poses;
   std::vector<bool> skin;
   Adjacency moving_adjacency;
-  std::vector<int> mirror;       // empty unless symmetric
+  std::vector<int> mirror;  // empty unless symmetric
   MergeGoal goal;
   const Points& rest() const { return actor.rest.rows() > 0 ? actor.rest : actor.neutral(); }
 };
@@ -156,8 +156,8 @@ Patches segment_liu(const Problem& problem, const Segmentation& so_far) {
   return patches;
 }
 
-/// Motion that shows counts fully; what barely moves (neck, scalp) must not claim regions. Vertices count alike whatever
-/// their area, as in the paper: a modeller puts them where the face works.
+/// Motion that shows counts fully; what barely moves (neck, scalp) must not claim regions. Vertices count alike
+/// whatever their area, as in the paper: a modeller puts them where the face works.
 Eigen::VectorXd importance(const MotionField& field) {
   const Eigen::ArrayXd relative = (field.range.array() / (kVisibleShare * field.range.maxCoeff())).square();
   return relative / (1.0 + relative);
@@ -167,8 +167,8 @@ Patches segment_motion(const Problem& problem, const Segmentation& so_far) {
   const int asked = problem.options.clusters;
   const int clusters = asked > 0 ? asked : std::max(64, 4 * problem.goal.regions);
   const registration::Ibug68 points = face_points(*problem.actor.topology, problem.actor.ibug68);
-  const Eigen::MatrixXd rows = motion_features(problem.poses, so_far.moving, problem.mirror,
-                                               upper_face_side(problem.actor.neutral(), points));
+  const Eigen::MatrixXd rows =
+      motion_features(problem.poses, so_far.moving, problem.mirror, upper_face_side(problem.actor.neutral(), points));
   const Eigen::VectorXd weights = importance(so_far.field);
   Patches patches = patches_of(problem, rows, weights, so_far.moving, clusters);
   merge_least_variance(problem.moving_adjacency, rows, weights, problem.mirror, problem.goal, patches);
@@ -217,10 +217,13 @@ Segmentation segment(const Actor& actor, const SegmentationOptions& options) {
   result.follows = attachments(*actor.topology, problem.poses, problem.skin);
   problem.moving_adjacency = skin_adjacency(*actor.topology, result.moving);
   const auto moving = static_cast<int>(std::count(result.moving.begin(), result.moving.end(), true));
-  const int least = options.regions == 0 ? moving / 12 : options.method == SegmentationMethod::motion ? moving / 100 : 0;
+  const int least = options.regions == 0                           ? moving / 12
+                    : options.method == SegmentationMethod::motion ? moving / 100
+                                                                   : 0;
   problem.goal = {options.regions, options.min_vertices > 0 ? options.min_vertices : least};
   if (options.symmetric) problem.mirror = mirror_vertices(problem.rest(), result.moving);
-  Patches patches = options.method == SegmentationMethod::liu ? segment_liu(problem, result) : segment_motion(problem, result);
+  Patches patches =
+      options.method == SegmentationMethod::liu ? segment_liu(problem, result) : segment_motion(problem, result);
   label_everything(actor, problem.skin, std::move(patches), result);
   return result;
 }

@@ -2,9 +2,8 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
-
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 #include "core/mesh.h"
 #include "register/template.h"

@@ -26,8 +26,8 @@ FaceDistances distances(const Points& neutral, const registration::Ibug68& point
   const auto at = [&](int index) { return point(neutral, points, index, whose); };
   const Eigen::RowVector3d right_eye = 0.5 * (at(36) + at(39)), left_eye = 0.5 * (at(42) + at(45));
   const double eye_height = 0.5 * (right_eye.y() + left_eye.y());
-  const FaceDistances found = {(left_eye - right_eye).norm(), (at(54) - at(48)).norm(), std::abs(eye_height - at(33).y()),
-                               std::abs(at(33).y() - at(8).y())};
+  const FaceDistances found = {(left_eye - right_eye).norm(), (at(54) - at(48)).norm(),
+                               std::abs(eye_height - at(33).y()), std::abs(at(33).y() - at(8).y())};
   for (double distance : {found.eyes, found.mouth, found.upper, found.lower})
     if (!(distance > 0.0))
       throw InputError(std::string("motion transfer: landmarks of the ") + whose + " face coincide");

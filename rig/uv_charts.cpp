@@ -1,12 +1,12 @@
 #include "rig/uv_charts.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 namespace vultus::rig {
 namespace {
@@ -54,9 +54,7 @@ std::vector<float> gaussian(double sigma) {
 struct ChartPlanes {
   int x0, y0, width, height, planes;
   std::vector<float> values;
-  float& at(int plane, int x, int y) {
-    return values[(static_cast<std::size_t>(plane) * height + y) * width + x];
-  }
+  float& at(int plane, int x, int y) { return values[(static_cast<std::size_t>(plane) * height + y) * width + x]; }
 };
 
 void convolve(ChartPlanes& chart, const std::vector<float>& kernel, bool along_x) {
@@ -68,7 +66,8 @@ void convolve(ChartPlanes& chart, const std::vector<float>& kernel, bool along_x
     for (int i = 0; i < length; ++i) old[i] = along_x ? chart.at(plane, i, line) : chart.at(plane, line, i);
     for (int i = 0; i < length; ++i) {
       float sum = 0.0F;
-      for (int j = std::max(0, i - reach); j <= std::min(length - 1, i + reach); ++j) sum += kernel[j - i + reach] * old[j];
+      for (int j = std::max(0, i - reach); j <= std::min(length - 1, i + reach); ++j)
+        sum += kernel[j - i + reach] * old[j];
       (along_x ? chart.at(plane, i, line) : chart.at(plane, line, i)) = sum;
     }
   });
@@ -118,8 +117,8 @@ void smooth_chart(const TextureSpace& texels, const UvCharts& charts, int chart,
 }
 
 /// Adds the bilinear weights of a chart's texels around (x, y), in texel units with centres at whole numbers.
-float add_bilinear(const TextureSpace& texels, const UvCharts& charts, const Image& image, int chart, double x, double y,
-                   Eigen::Ref<Eigen::RowVectorXf> sum) {
+float add_bilinear(const TextureSpace& texels, const UvCharts& charts, const Image& image, int chart, double x,
+                   double y, Eigen::Ref<Eigen::RowVectorXf> sum) {
   float total = 0.0F;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
   for (int dy = 0; dy < 2; ++dy)
@@ -134,8 +133,8 @@ float add_bilinear(const TextureSpace& texels, const UvCharts& charts, const Ima
   return total;
 }
 
-const float* nearest_in_chart(const TextureSpace& texels, const UvCharts& charts, const Image& image, int chart, double x,
-                              double y) {
+const float* nearest_in_chart(const TextureSpace& texels, const UvCharts& charts, const Image& image, int chart,
+                              double x, double y) {
   const float* best = nullptr;
   double best_distance = std::numeric_limits<double>::infinity();
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
@@ -194,8 +193,8 @@ Eigen::MatrixXf sample_at_uvs(const TextureSpace& texels, const UvCharts& charts
   std::vector<int> chart_of_row(static_cast<std::size_t>(topology.uvs().rows()), -1);
   for (Eigen::Index t = 0; t < uvs.rows(); ++t)
     for (int k = 0; k < 3; ++k) chart_of_row[uvs(t, k)] = charts.of_triangle[static_cast<std::size_t>(t)];
-  Eigen::MatrixXf values = Eigen::MatrixXf::Constant(topology.uvs().rows(), image.channels(),
-                                                     std::numeric_limits<float>::quiet_NaN());
+  Eigen::MatrixXf values =
+      Eigen::MatrixXf::Constant(topology.uvs().rows(), image.channels(), std::numeric_limits<float>::quiet_NaN());
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
     const int chart = chart_of_row[static_cast<std::size_t>(row)];
     const double x = topology.uvs()(row, 0) * image.width() - 0.5;

@@ -9,9 +9,9 @@ namespace vultus::rig {
 
 /// Connected parts of the UV layout.
 struct UvCharts {
-  std::vector<int> of_triangle;        ///< chart of each triangle of the triangulated view
+  std::vector<int> of_triangle;  ///< chart of each triangle of the triangulated view
   int count = 0;
-  std::vector<double> mm_per_texel;    ///< of each chart, from its area on the skin and in texels
+  std::vector<double> mm_per_texel;  ///< of each chart, from its area on the skin and in texels
 };
 UvCharts uv_charts(const TextureSpace& texels, const Points& positions);
 

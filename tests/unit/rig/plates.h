@@ -14,9 +14,9 @@ struct Plate {
   Eigen::RowVector3d motion;  // mm
 };
 
-/// A square sheet of 1 mm quads, `columns` × `rows` vertices about the origin in x and y, with UVs in [0.05, 0.95]². Each
-/// plate is a disc of radius 5 mm that moves as a whole, fading out over 3 mm; each has two poses of its own, one the
-/// other way.
+/// A square sheet of 1 mm quads, `columns` × `rows` vertices about the origin in x and y, with UVs in [0.05, 0.95]².
+/// Each plate is a disc of radius 5 mm that moves as a whole, fading out over 3 mm; each has two poses of its own, one
+/// the other way.
 inline Actor moving_plates(int columns, int rows, const std::vector<Plate>& plates) {
   TopologyData data;
   data.vertex_count = columns * rows;
@@ -100,7 +100,8 @@ inline Actor with_loose_parts(Actor actor, const Eigen::RowVector3d& motion) {
       if (k < 4) positions.row(first + k) += amount * motion;
     }
   };
-  for (std::size_t p = 0; p < actor.poses.size(); ++p) extend(actor.poses[p].positions, p == 1 ? 1.0 : p == 2 ? -0.6 : 0.0);
+  for (std::size_t p = 0; p < actor.poses.size(); ++p)
+    extend(actor.poses[p].positions, p == 1 ? 1.0 : p == 2 ? -0.6 : 0.0);
   extend(actor.rest, 0.0);
   return actor;
 }
@@ -118,7 +119,8 @@ inline Actor two_charts(Actor actor) {
   data.uvs = both;
   for (std::size_t f = 0; f + 1 < data.face_offsets.size(); ++f) {
     double middle = 0.0;
-    for (int c = data.face_offsets[f]; c < data.face_offsets[f + 1]; ++c) middle += actor.neutral()(data.corner_vertex[c], 0);
+    for (int c = data.face_offsets[f]; c < data.face_offsets[f + 1]; ++c)
+      middle += actor.neutral()(data.corner_vertex[c], 0);
     if (middle > 0.0)
       for (int c = data.face_offsets[f]; c < data.face_offsets[f + 1]; ++c) data.corner_uv[c] += static_cast<int>(rows);
   }

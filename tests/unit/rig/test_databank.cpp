@@ -1,10 +1,9 @@
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-
-#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -30,7 +29,8 @@ class IctFaceKit : public testing::Test {
  protected:
   void SetUp() override {
     const char* data = std::getenv("VULTUS_DATA");
-    if (data == nullptr || !fs::exists(fs::path(data) / "ict-facekit")) GTEST_SKIP() << "VULTUS_DATA has no ict-facekit";
+    if (data == nullptr || !fs::exists(fs::path(data) / "ict-facekit"))
+      GTEST_SKIP() << "VULTUS_DATA has no ict-facekit";
     source_ = fs::path(data) / "ict-facekit";
     copy_ = fs::path(testing::TempDir()) / ("vultus_databank_" + std::to_string(::getpid()));
     fs::remove_all(copy_);
@@ -42,7 +42,8 @@ class IctFaceKit : public testing::Test {
   /// A folder with only the named files of the model, so that the test reads a few and not sixty.
   fs::path with(const std::vector<std::string>& names) const {
     fs::copy_file(source_ / "vertex_indices.json", copy_ / "model/vertex_indices.json");
-    for (const std::string& name : names) fs::create_symlink(source_ / (name + ".obj"), copy_ / "model" / (name + ".obj"));
+    for (const std::string& name : names)
+      fs::create_symlink(source_ / (name + ".obj"), copy_ / "model" / (name + ".obj"));
     return copy_ / "model";
   }
   fs::path source_, copy_;
@@ -71,8 +72,8 @@ TEST_F(IctFaceKit, BecomesAnActorAndATemplateInMillimetres) {
   EXPECT_GT(gap("jawOpen"), 20.0);
   // The lips meet, but slide over each other by some millimetres where these two landmarks lie.
   EXPECT_LT(gap("mouthClose"), 0.25 * gap("jawOpen")) << "an open jaw with closed lips";
-  const double chin_drop = actor.neutral()(points[8], 1) -
-                           actor.poses[actor.pose_index("mouthClose")].positions(points[8], 1);
+  const double chin_drop =
+      actor.neutral()(points[8], 1) - actor.poses[actor.pose_index("mouthClose")].positions(points[8], 1);
   EXPECT_GT(chin_drop, 20.0);
 
   const std::vector<Pose> identities = load_identities(copy_ / "bank");

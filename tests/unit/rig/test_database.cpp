@@ -1,9 +1,8 @@
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <fstream>
-
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -64,7 +63,9 @@ class Database : public testing::Test {
     return actor;
   }
 
-  static Provenance made_by(const std::string& input) { return {"onboard", {{"method", "default"}}, {{"scan", input}}}; }
+  static Provenance made_by(const std::string& input) {
+    return {"onboard", {{"method", "default"}}, {{"scan", input}}};
+  }
   static void damage(const fs::path& file) { std::ofstream(file, std::ios::app) << "x"; }
 
   fs::path folder_;

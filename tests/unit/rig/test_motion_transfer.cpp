@@ -1,10 +1,10 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
-
-#include <Eigen/Geometry>
-#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/transform.h"
@@ -59,9 +59,10 @@ registration::Ibug68 face_on(const Points& positions, double radius) {
   registration::Ibug68 points{};
   points.fill(-1);
   const std::map<int, Eigen::Vector3d> places = {
-      {36, {-0.6, 0.4, 0.7}}, {39, {-0.25, 0.4, 0.9}}, {42, {0.25, 0.4, 0.9}}, {45, {0.6, 0.4, 0.7}}, {33, {0, -0.1, 1}},
-      {48, {-0.35, -0.4, 0.8}}, {54, {0.35, -0.4, 0.8}}, {8, {0, -0.85, 0.5}}, {27, {0, 0.5, 0.85}}, {51, {0, -0.3, 0.95}},
-      {57, {0, -0.5, 0.85}}, {0, {-0.95, 0.2, 0.2}}, {16, {0.95, 0.2, 0.2}}, {4, {-0.8, -0.6, 0.1}}, {12, {0.8, -0.6, 0.1}}};
+      {36, {-0.6, 0.4, 0.7}}, {39, {-0.25, 0.4, 0.9}},  {42, {0.25, 0.4, 0.9}},  {45, {0.6, 0.4, 0.7}},
+      {33, {0, -0.1, 1}},     {48, {-0.35, -0.4, 0.8}}, {54, {0.35, -0.4, 0.8}}, {8, {0, -0.85, 0.5}},
+      {27, {0, 0.5, 0.85}},   {51, {0, -0.3, 0.95}},    {57, {0, -0.5, 0.85}},   {0, {-0.95, 0.2, 0.2}},
+      {16, {0.95, 0.2, 0.2}}, {4, {-0.8, -0.6, 0.1}},   {12, {0.8, -0.6, 0.1}}};
   for (const auto& [point, place] : places) points[point] = nearest_vertex(positions, radius * place.normalized());
   return points;
 }

@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
-
-#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -133,8 +133,8 @@ TEST_P(SegmentationMethods, RecoverPatchesThatMoveApart) {
 }
 
 TEST_P(SegmentationMethods, GiveTheAskedNumberOfContiguousRegions) {
-  const std::vector<Plate> plates = {{6, 10, {0, 3, 0}}, {20, 8, {0, 1, 3}}, {8, 26, {3, 0, 1}},
-                                     {26, 22, {2, -2, 1}}, {16, 17, {-1, 2, -2}}};
+  const std::vector<Plate> plates = {
+      {6, 10, {0, 3, 0}}, {20, 8, {0, 1, 3}}, {8, 26, {3, 0, 1}}, {26, 22, {2, -2, 1}}, {16, 17, {-1, 2, -2}}};
   const Actor actor = moving_plates(32, 32, plates);
   for (int regions : {2, 3, 5}) {
     SegmentationOptions options;
@@ -164,12 +164,13 @@ TEST_P(SegmentationMethods, StopAtTheVertexThreshold) {
   EXPECT_GE(result.regions, 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, SegmentationMethods, testing::Values(SegmentationMethod::motion, SegmentationMethod::liu));
+INSTANTIATE_TEST_SUITE_P(Both, SegmentationMethods,
+                         testing::Values(SegmentationMethod::motion, SegmentationMethod::liu));
 
 TEST(Segmentation, IsSymmetricWhenAsked) {
   // Plates in mirrored pairs and one across the middle, moving differently on either side.
-  const std::vector<Plate> plates = {{6, 8, {0, 3, 0}}, {26, 8, {0, 2, 1}}, {6, 24, {2, 0, 1}},
-                                     {26, 24, {-2, 1, 1}}, {16, 16, {0, -2, 2}}};
+  const std::vector<Plate> plates = {
+      {6, 8, {0, 3, 0}}, {26, 8, {0, 2, 1}}, {6, 24, {2, 0, 1}}, {26, 24, {-2, 1, 1}}, {16, 16, {0, -2, 2}}};
   const Actor actor = moving_plates(33, 32, plates);
   const std::vector<int> mirror = mirrored_vertices(actor);
   for (int regions : {3, 4, 5, 7}) {
@@ -230,7 +231,8 @@ class Masks : public testing::Test {
  protected:
   static Actor actor() {
     return with_loose_parts(
-        moving_plates(33, 32, {{8, 8, {0, 3, 0}}, {24, 8, {0, 0, 3}}, {8, 24, {3, 0, 0}}, {24, 24, {2, 2, 1}}}), {0, 3, 0});
+        moving_plates(33, 32, {{8, 8, {0, 3, 0}}, {24, 8, {0, 0, 3}}, {8, 24, {3, 0, 0}}, {24, 24, {2, 2, 1}}}),
+        {0, 3, 0});
   }
 };
 
