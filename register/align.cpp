@@ -1,10 +1,9 @@
 #include "register/align.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 
@@ -28,7 +27,8 @@ struct PlanePair {
 
 // Places on the scan for the moved vertices, with normals turned along.
 std::vector<PlanePair> find_pairs(const Points& positions, const Points& normals, const std::vector<int>& vertices,
-                                  const ScanSurface& scan, const Similarity& motion, double limit, double least_cosine) {
+                                  const ScanSurface& scan, const Similarity& motion, double limit,
+                                  double least_cosine) {
   std::vector<PlanePair> pairs;
   for (int v : vertices) {
     const Eigen::Vector3d moved = motion * Eigen::Vector3d(positions.row(v));
@@ -101,7 +101,8 @@ Alignment align_surface(const Topology& topology, const Points& positions, const
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const double t = std::min(1.0, iteration / std::max(1.0, 0.6 * options.iterations));
     const double limit = options.first_limit * std::pow(options.last_limit / options.first_limit, t);
-    const auto pairs = find_pairs(positions, normals, vertices, scan, result.scan_from_template, limit, options.least_cosine);
+    const auto pairs =
+        find_pairs(positions, normals, vertices, scan, result.scan_from_template, limit, options.least_cosine);
     if (pairs.size() < 12) break;
     std::vector<double> residuals;
     for (const PlanePair& pair : pairs) residuals.push_back(std::abs(pair.normal.dot(pair.target - pair.moved)));
@@ -117,7 +118,8 @@ Alignment align_surface(const Topology& topology, const Points& positions, const
     result.scan_from_template = move * result.scan_from_template;
     result.residuals = Eigen::Map<const Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size()));
     result.rms = std::sqrt(squares / std::max(1e-12, total));
-    const double moved = (move * pairs.front().moved - pairs.front().moved).norm() + (move * pairs.back().moved - pairs.back().moved).norm();
+    const double moved = (move * pairs.front().moved - pairs.front().moved).norm() +
+                         (move * pairs.back().moved - pairs.back().moved).norm();
     if (t >= 1.0 && moved < 1e-3) break;
   }
   return result;

@@ -20,10 +20,10 @@ Alignment align_landmarks(const Points& template_points, const Points& scan_poin
                           Scaling scaling);
 
 struct RigidRefinement {
-  int iterations = 30;          ///< most steps
-  double first_limit = 20.0;    ///< mm: farthest correspondence at the start …
-  double last_limit = 3.0;      ///< … and at the end
-  double least_cosine = 0.6;    ///< between normals
+  int iterations = 30;        ///< most steps
+  double first_limit = 20.0;  ///< mm: farthest correspondence at the start …
+  double last_limit = 3.0;    ///< … and at the end
+  double least_cosine = 0.6;  ///< between normals
 };
 
 /// Robust point-to-plane iteration of the given vertices against the scan, from `start` (template → scan).

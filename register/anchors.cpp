@@ -39,8 +39,8 @@ void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, Anc
 
 // How far skin at a landmark can move against the skull, mm. A finder that takes brows for closed eyes is off by more.
 double farthest_motion(int ibug) {
-  if (ibug < 27) return ibug < 17 ? 45.0 : 15.0;  // jaw; brows
-  if (ibug < 36) return ibug < 31 ? 4.0 : 8.0;    // nose ridge; nostrils
+  if (ibug < 27) return ibug < 17 ? 45.0 : 15.0;                                            // jaw; brows
+  if (ibug < 36) return ibug < 31 ? 4.0 : 8.0;                                              // nose ridge; nostrils
   if (ibug < 48) return ibug == 36 || ibug == 39 || ibug == 42 || ibug == 45 ? 5.0 : 12.0;  // eye corners; lids
   return 45.0;
 }
@@ -61,7 +61,8 @@ Anchors make_anchors(const Template& head, const Points& vertices, const ScanLan
   for (const ScanLandmark& landmark : scan)
     if (landmark.confidence >= least_confidence) trusted.push_back(landmark);
   LandmarkPairs pairs = pair_landmarks(head, trusted, chin);
-  Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan), std::move(pairs.confidence)};
+  Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan),
+                  std::move(pairs.confidence)};
   if (seen_template) cancel_bias(vertices, *seen_template, anchors);
   return anchors;
 }
@@ -95,8 +96,10 @@ ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given) {
   for (const ScanLandmark& point : given) {
     const auto same = [&](const ScanLandmark& other) { return other.name == point.name; };
     const auto place = std::find_if(found.begin(), found.end(), same);
-    if (place == found.end()) found.push_back(point);
-    else *place = point;
+    if (place == found.end())
+      found.push_back(point);
+    else
+      *place = point;
   }
   return found;
 }

@@ -13,9 +13,9 @@ namespace vultus::registration {
 /// Template vertices and where on the scan they should come to lie; rows correspond.
 struct Anchors {
   std::vector<std::string> names;
-  std::vector<int> vertices;       ///< control mesh, kept by subdivision
-  Points targets;                  ///< scan frame
-  Eigen::VectorXd confidence;      ///< [0, 1]
+  std::vector<int> vertices;   ///< control mesh, kept by subdivision
+  Points targets;              ///< scan frame
+  Eigen::VectorXd confidence;  ///< [0, 1]
   int size() const { return static_cast<int>(vertices.size()); }
 };
 
@@ -30,8 +30,8 @@ double unit_correction(double outer_eye_distance);
 Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
                      const ScanLandmarks* seen_template, double least_confidence, bool chin = false);
 
-/// Leaves out found landmarks (confidence below 1) that lie farther from `rest`, the neutral moved rigidly into the scan,
-/// than skin can go there, and with a corner of an eye that whole eye.
+/// Leaves out found landmarks (confidence below 1) that lie farther from `rest`, the neutral moved rigidly into the
+/// scan, than skin can go there, and with a corner of an eye that whole eye.
 Anchors plausible_anchors(const Anchors& anchors, const Points& rest);
 
 /// `found` with every point that `given` names replaced by the given one.

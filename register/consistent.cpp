@@ -30,9 +30,9 @@ std::string number(double value, const char* format = "%.2f") {
 
 /// What was found out about one scan before any fitting.
 struct Prepared {
-  Mesh scan;                 // mm
-  double scale = 1.0;        // scan in mm from the scan as given
-  ScanLandmarks landmarks;   // scan frame, mm
+  Mesh scan;                // mm
+  double scale = 1.0;       // scan in mm from the scan as given
+  ScanLandmarks landmarks;  // scan frame, mm
   bool coloured = false, automatic = false;
   std::vector<std::string> decisions;
 };
@@ -43,7 +43,8 @@ std::vector<int> support_vertices(const Points& positions, const std::vector<boo
   std::vector<int> chosen;
   Points taken = anchors;
   for (int v = 0; v < positions.rows(); ++v) {
-    if (!fitted[v] || (taken.rowwise() - positions.row(v)).rowwise().squaredNorm().minCoeff() < spacing * spacing) continue;
+    if (!fitted[v] || (taken.rowwise() - positions.row(v)).rowwise().squaredNorm().minCoeff() < spacing * spacing)
+      continue;
     chosen.push_back(v);
     taken.conservativeResize(taken.rows() + 1, 3);
     taken.bottomRows<1>() = positions.row(v);
@@ -135,7 +136,8 @@ struct Registration::Impl {
   }
 
   const FaceFinder& face_finder() const {
-    std::call_once(finder_once, [&] { finder = options.finder ? options.finder : std::make_shared<const FaceFinder>(); });
+    std::call_once(finder_once,
+                   [&] { finder = options.finder ? options.finder : std::make_shared<const FaceFinder>(); });
     return *finder;
   }
   const ScanLandmarks* template_sighting() const;
@@ -306,8 +308,9 @@ Similarity head_motion(const Registered& neutral, const Anchors& anchors, const 
   }
   std::vector<int> vertices;
   for (int i : upper) vertices.push_back(anchors.vertices[i]);
-  const Alignment first = align_landmarks(neutral.mesh.positions(vertices, Eigen::all),
-                                          anchors.targets(upper, Eigen::all), anchors.confidence(upper), Scaling::fixed);
+  const Alignment first =
+      align_landmarks(neutral.mesh.positions(vertices, Eigen::all), anchors.targets(upper, Eigen::all),
+                      anchors.confidence(upper), Scaling::fixed);
   RigidRefinement refinement;
   refinement.first_limit = 12.0;
   return align_surface(*neutral.mesh.topology, neutral.mesh.positions, rigid, scan, first.scan_from_template,
@@ -328,13 +331,14 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   const std::vector<int> rigid = rigid_vertices(*my.loop.refined(), my.fitted);
   if (my.options.method == Method::zhu) {
     const Anchors anchors = my.anchors_for(prepared);
-    const Alignment alignment =
-        align_landmarks(my.head.neutral(anchors.vertices, Eigen::all), anchors.targets, anchors.confidence, Scaling::free);
+    const Alignment alignment = align_landmarks(my.head.neutral(anchors.vertices, Eigen::all), anchors.targets,
+                                                anchors.confidence, Scaling::free);
     const Points positions = my.zhu(anchors, alignment.scan_from_template, scan);
     const auto pose = face_axes(my.head, positions), model = face_axes(my.head, neutral.mesh.positions);
     const Similarity face_from_mm =
-        pose && model ? normalize_orientation(*pose, *model)
-                      : fit_similarity_robust(positions, neutral.mesh.positions, Scaling::fixed, 1.0).target_from_source;
+        pose && model
+            ? normalize_orientation(*pose, *model)
+            : fit_similarity_robust(positions, neutral.mesh.positions, Scaling::fixed, 1.0).target_from_source;
     return my.finish(prepared, scan, anchors, positions, neutral.mesh.positions, face_from_mm);
   }
   const Anchors found = expression_anchors(my.head, neutral, prepared, my.options.least_confidence);
@@ -346,7 +350,8 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
     prepared.decisions.push_back(std::to_string(found.size() - anchors.size()) +
                                  " landmarks left out: farther from the neutral than skin can move");
   const JawOpening jaw = find_jaw_opening(my.head, *my.loop.refined(), rest, my.fitted, anchors, scan);
-  if (jaw.angle > 0.0) prepared.decisions.push_back("jaw open by " + number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
+  if (jaw.angle > 0.0)
+    prepared.decisions.push_back("jaw open by " + number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
   std::vector<PointTerm> pulls = landmark_terms(anchors);
   pulls.insert(pulls.end(), jaw.terms.begin(), jaw.terms.end());
   NonrigidOptions nonrigid;
@@ -357,20 +362,20 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   nonrigid.first_landmarks = 5.0;
   nonrigid.last_landmarks = 0.5;
   nonrigid.landmark_steps = 6;
-  const Points positions = fit_nonrigid(*my.loop.refined(), rest, rest, my.fitted, scan, pulls, my.detail(rest),
-                                        nonrigid, progress)
-                               .positions;
-  const Similarity face_from_mm =
-      fit_similarity_robust(positions(rigid, Eigen::all), neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
-          .target_from_source;
+  const Points positions =
+      fit_nonrigid(*my.loop.refined(), rest, rest, my.fitted, scan, pulls, my.detail(rest), nonrigid, progress)
+          .positions;
+  const Similarity face_from_mm = fit_similarity_robust(positions(rigid, Eigen::all),
+                                                        neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
+                                      .target_from_source;
   return my.finish(prepared, scan, anchors, positions, neutral.mesh.positions, face_from_mm);
 }
 
 Method method_named(const std::string& name) {
   if (name == "default") return Method::standard;
   if (name == "zhu") return Method::zhu;
-  throw UsageError("unknown registration method \"" + name + "\"; did you mean \"" + nearest_name(name, {"default", "zhu"}) +
-                   "\"?");
+  throw UsageError("unknown registration method \"" + name + "\"; did you mean \"" +
+                   nearest_name(name, {"default", "zhu"}) + "\"?");
 }
 
 std::string name_of(Method method) { return method == Method::zhu ? "zhu" : "default"; }

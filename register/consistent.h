@@ -25,8 +25,8 @@ std::string name_of(Method method);
 
 struct RegisterOptions {
   Method method = Method::standard;
-  double displacement_limit = 10.0;        ///< mm, > 0: Zhu's threshold against large displacements (§4.5.2)
-  double least_confidence = 0.1;           ///< landmarks found below this do not take part
+  double displacement_limit = 10.0;          ///< mm, > 0: Zhu's threshold against large displacements (§4.5.2)
+  double least_confidence = 0.1;             ///< landmarks found below this do not take part
   std::shared_ptr<const FaceFinder> finder;  ///< loaded on first need when absent
   QualityLimits limits;
   void validate() const;  ///< throws `InputError`
@@ -42,13 +42,13 @@ struct UsedLandmark {
 
 /// A scan in the template's topology.
 struct Registered {
-  Mesh mesh;                            ///< refined topology, face frame, mm
-  Similarity face_from_scan;            ///< of the cleaned scan; scale is 1 unless the scan's unit proved wrong
+  Mesh mesh;                  ///< refined topology, face frame, mm
+  Similarity face_from_scan;  ///< of the cleaned scan; scale is 1 unless the scan's unit proved wrong
   std::vector<UsedLandmark> landmarks;
-  ScanLandmarks detected;               ///< every landmark found or given, face frame
-  bool coloured = false;                ///< landmarks were found with the help of colour
+  ScanLandmarks detected;  ///< every landmark found or given, face frame
+  bool coloured = false;   ///< landmarks were found with the help of colour
   Quality quality;
-  std::vector<std::string> decisions;   ///< what was decided about the input, in words
+  std::vector<std::string> decisions;  ///< what was decided about the input, in words
 };
 
 /// Brings scans to one template's topology (DESIGN §3.2). Keeps what scans share: the refined topology and the
@@ -59,8 +59,8 @@ class Registration {
   ~Registration();
 
   const Template& head() const;
-  const std::shared_ptr<const Topology>& refined() const;   ///< topology of every result
-  const Points& refined_neutral() const;                    ///< the template's shape on it, mm
+  const std::shared_ptr<const Topology>& refined() const;  ///< topology of every result
+  const Points& refined_neutral() const;                   ///< the template's shape on it, mm
 
   /// A scan of the neutral face. Without `landmarks` they are found (needs dlib's model).
   /// Throws `InputError` when no face or too few landmarks are found, `ToolError` without the model.
@@ -68,7 +68,8 @@ class Registration {
                      Progress& progress = Progress::none()) const;
   /// Another pose of the same person, from the registered neutral.
   Registered expression(const Registered& neutral, const Mesh& clean_scan,
-                        const std::optional<ScanLandmarks>& landmarks = {}, Progress& progress = Progress::none()) const;
+                        const std::optional<ScanLandmarks>& landmarks = {},
+                        Progress& progress = Progress::none()) const;
 
  private:
   struct Impl;

@@ -1,10 +1,9 @@
 #include "register/deformation_graph.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <queue>
-
-#include <Eigen/Geometry>
 
 #include "core/neighbours.h"
 #include "core/transform.h"

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <utility>
-#include <vector>
-
 #include <Eigen/Core>
 #include <Eigen/StdVector>
+#include <utility>
+#include <vector>
 
 #include "core/mesh.h"
 
@@ -17,11 +16,11 @@ struct DeformationGraph {
     int node;
     double weight;  ///< of one vertex, sums to 1
   };
-  std::vector<int> node_vertex;                 ///< vertex each node sits on
-  Points nodes;                                 ///< node_count×3, rest, mm
-  std::vector<int> offsets;                     ///< vertex_count+1: influences of v are [offsets[v], offsets[v+1])
-  std::vector<Influence> influences;            ///< none for inactive vertices
-  std::vector<std::pair<int, int>> edges;       ///< nodes that share vertices, first < second, sorted
+  std::vector<int> node_vertex;            ///< vertex each node sits on
+  Points nodes;                            ///< node_count×3, rest, mm
+  std::vector<int> offsets;                ///< vertex_count+1: influences of v are [offsets[v], offsets[v+1])
+  std::vector<Influence> influences;       ///< none for inactive vertices
+  std::vector<std::pair<int, int>> edges;  ///< nodes that share vertices, first < second, sorted
   int size() const { return static_cast<int>(node_vertex.size()); }
 };
 

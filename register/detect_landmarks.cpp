@@ -1,12 +1,11 @@
 #include "register/detect_landmarks.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include <Eigen/Geometry>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "register/shaded_view.h"
@@ -311,7 +310,8 @@ DetectedLandmarks detect_landmarks(const Mesh& scan, const FaceFinder& finder) {
       ++result.views;
       result.score += view->face.score;
     }
-  if (result.views == 0) throw InputError("a face was seen in the scan but could not be followed around; place landmarks by hand");
+  if (result.views == 0)
+    throw InputError("a face was seen in the scan but could not be followed around; place landmarks by hand");
   result.score /= result.views;
   agree(views, place.target.radius / 2.1, result);
   result.outer_eye_distance = point_distance(result.points, 36, 45);

@@ -11,13 +11,13 @@ namespace vultus::registration {
 
 /// The 68 points found on a scan without any hand.
 struct DetectedLandmarks {
-  ScanLandmarks points;            ///< "ibug.0" … "ibug.67" that were found, scan frame, with confidence
+  ScanLandmarks points;  ///< "ibug.0" … "ibug.67" that were found, scan frame, with confidence
   Eigen::Matrix3d scan_from_face = Eigen::Matrix3d::Identity();  ///< columns: the face's right-to-left, up, front axes
-  Eigen::VectorXd spread;          ///< per point of `points`, mm: median distance of the views' answers from their consensus
-  double score = 0.0;              ///< mean face score of the views used
-  int views = 0;                   ///< that took part in the consensus
-  bool coloured = false;           ///< colour helped; without it brows are vague
-  double outer_eye_distance = 0.0; ///< between the outer eye corners, scan units; 0 when not found
+  Eigen::VectorXd spread;  ///< per point of `points`, mm: median distance of the views' answers from their consensus
+  double score = 0.0;      ///< mean face score of the views used
+  int views = 0;           ///< that took part in the consensus
+  bool coloured = false;   ///< colour helped; without it brows are vague
+  double outer_eye_distance = 0.0;  ///< between the outer eye corners, scan units; 0 when not found
   std::vector<std::string> decisions;
 };
 

@@ -1,9 +1,9 @@
 #include "register/face_finder.h"
 
-#include <cstdlib>
-
 #include <dlib/image_processing.h>
 #include <dlib/image_processing/frontal_face_detector.h>
+
+#include <cstdlib>
 
 #include "core/error.h"
 
@@ -24,8 +24,9 @@ fs::path FaceFinder::find_model() {
   }
   for (const char* folder : {"/usr/share/dlib", "/usr/local/share/dlib"})
     if (fs::is_regular_file(fs::path(folder) / name, ignored)) return fs::path(folder) / name;
-  throw ToolError("automatic landmarks need dlib's 68-point model: apt install libdlib-data, or set VULTUS_DLIB_MODEL to " +
-                  name + ", or give landmarks/<pose>.json");
+  throw ToolError(
+      "automatic landmarks need dlib's 68-point model: apt install libdlib-data, or set VULTUS_DLIB_MODEL to " + name +
+      ", or give landmarks/<pose>.json");
 }
 
 FaceFinder::FaceFinder(const fs::path& model) {
@@ -45,7 +46,8 @@ FaceFinder::~FaceFinder() = default;
 std::optional<FoundFace> FaceFinder::find(const GreyImage& picture, double least_score) const {
   dlib::array2d<unsigned char> image(picture.height, picture.width);
   for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) image[y][x] = picture.pixels[static_cast<std::size_t>(y) * picture.width + x];
+    for (int x = 0; x < picture.width; ++x)
+      image[y][x] = picture.pixels[static_cast<std::size_t>(y) * picture.width + x];
   dlib::frontal_face_detector detector = impl_->detector;  // detecting changes the detector's scratch memory
   std::vector<dlib::rect_detection> faces;
   detector(image, faces, least_score);

@@ -1,13 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace vultus::registration {
 
@@ -19,8 +18,8 @@ struct GreyImage {
 
 /// A frontal face in a picture.
 struct FoundFace {
-  double score = 0.0;                                ///< the detector's margin; above 0 is a face
-  std::array<Eigen::Vector2d, 68> points;            ///< pixels, centres at +0.5, 68-point scheme
+  double score = 0.0;                      ///< the detector's margin; above 0 is a face
+  std::array<Eigen::Vector2d, 68> points;  ///< pixels, centres at +0.5, 68-point scheme
 };
 
 /// dlib's frontal face detector (HOG) and 68-point shape predictor (Kazemi & Sullivan 2014). The model file is for

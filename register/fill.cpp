@@ -1,11 +1,11 @@
 #include "register/fill.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
-
-#include <Eigen/SparseCholesky>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -39,8 +39,10 @@ Points fill_smoothly(const Topology& topology, const Points& positions, const Po
       const int row = unknown_row[from];
       if (row < 0) continue;
       entries.emplace_back(row, row, weight);
-      if (unknown_row[to] >= 0) entries.emplace_back(row, unknown_row[to], -weight);
-      else right.row(row) += weight * displacements.row(to);
+      if (unknown_row[to] >= 0)
+        entries.emplace_back(row, unknown_row[to], -weight);
+      else
+        right.row(row) += weight * displacements.row(to);
     }
   }
   Sparse laplacian(rows, rows);
@@ -73,7 +75,8 @@ Points fit_smoothly(const Topology& topology, const Points& displacements, const
 
 std::vector<bool> fitted_vertices(const Topology& topology) {
   std::vector<bool> fitted(topology.vertex_count(), true);
-  for (const char* name : {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "mouth_cavity", "teeth", "tongue"})
+  for (const char* name :
+       {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "mouth_cavity", "teeth", "tongue"})
     if (topology.has_set(name))
       for (int v : topology.set(name)) fitted[v] = false;
   return fitted;

@@ -1,11 +1,10 @@
 #include "register/graph_fit.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 namespace vultus::registration {
 namespace {

@@ -15,8 +15,8 @@ struct PlaneTerm {
 /// A vertex drawn to a point.
 struct PointTerm {
   int vertex;
-  Eigen::Vector3d target;          ///< scan frame, mm
-  double weight;                   ///< ≥ 0
+  Eigen::Vector3d target;  ///< scan frame, mm
+  double weight;           ///< ≥ 0
 };
 
 struct GraphFitWeights {

@@ -1,9 +1,8 @@
 #include "register/jaw.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 namespace vultus::registration {
 namespace {
@@ -64,7 +63,8 @@ JawOpening find_jaw_opening(const Template& head, const Topology& topology, cons
   for (int i = 0; i < anchors.size(); ++i)
     for (int outer : {56, 57, 58})
       if (anchors.names[i] == ibug_name(outer))
-        lip.push_back({rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), anchors.confidence[i]});
+        lip.push_back(
+            {rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), anchors.confidence[i]});
   const std::vector<int> chin = chin_vertices(rest, fitted, point(8), 28.0);
   if (chin.size() < 20) return opening;
   std::vector<int> sample;

@@ -11,9 +11,9 @@ namespace vultus::registration {
 
 /// A feature point found or placed on a scan.
 struct ScanLandmark {
-  std::string name;                                     ///< a template's landmark name, or `ibug_name(i)`
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();   ///< scan frame
-  double confidence = 1.0;                              ///< [0, 1]; 1 for points placed by hand
+  std::string name;                                    ///< a template's landmark name, or `ibug_name(i)`
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< scan frame
+  double confidence = 1.0;                             ///< [0, 1]; 1 for points placed by hand
 };
 using ScanLandmarks = std::vector<ScanLandmark>;
 
@@ -30,13 +30,14 @@ std::optional<int> landmark_vertex(const Template& head, const std::string& name
 /// Landmarks with a place on both the template and the scan; rows correspond.
 struct LandmarkPairs {
   std::vector<std::string> names;
-  std::vector<int> vertices;     ///< control mesh
-  Points scan;                   ///< scan frame
-  Eigen::VectorXd confidence;    ///< [0, 1]
+  std::vector<int> vertices;   ///< control mesh
+  Points scan;                 ///< scan frame
+  Eigen::VectorXd confidence;  ///< [0, 1]
   int size() const { return static_cast<int>(vertices.size()); }
 };
 /// Pairs every landmark that the template knows; contour points are left out (save, with `chin`, 7 to 9: the same chin
-/// in two pictures of one person), and a second name for a vertex already paired too. Throws `InputError` (with the nearest name) when a name given with confidence 1 is unknown.
+/// in two pictures of one person), and a second name for a vertex already paired too. Throws `InputError` (with the
+/// nearest name) when a name given with confidence 1 is unknown.
 LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmarks, bool chin = false);
 
 /// Reads `landmarks/<pose>.json`: {"points": {"NAME": [x, y, z], …}} in the scan's units, or a plain list of 68 points

@@ -1,9 +1,9 @@
 #include "register/nonrigid.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/neighbours.h"

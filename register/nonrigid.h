@@ -9,25 +9,25 @@
 namespace vultus::registration {
 
 struct NonrigidOptions {
-  double fine_spacing = 7.0;          ///< mm between nodes within 25 mm of `detail` points
-  double face_spacing = 12.0;         ///< in the set "face"
-  double far_spacing = 22.0;          ///< elsewhere
-  double first_stiffness = 30.0;      ///< annealed geometrically …
-  double last_stiffness = 0.03;       ///< … against one unit of data a node
-  double first_limit = 15.0;          ///< mm: farthest correspondence at the start …
-  double last_limit = 3.0;            ///< … and at the end
-  double first_landmarks = 2.0;       ///< landmark weight, times confidence, at the start …
-  double last_landmarks = 0.02;       ///< … and at the end
-  double least_cosine = 0.5;          ///< between normals
-  bool free_scale = true;             ///< pieces may grow (another person); false: locally rigid (the same person)
+  double fine_spacing = 7.0;      ///< mm between nodes within 25 mm of `detail` points
+  double face_spacing = 12.0;     ///< in the set "face"
+  double far_spacing = 22.0;      ///< elsewhere
+  double first_stiffness = 30.0;  ///< annealed geometrically …
+  double last_stiffness = 0.03;   ///< … against one unit of data a node
+  double first_limit = 15.0;      ///< mm: farthest correspondence at the start …
+  double last_limit = 3.0;        ///< … and at the end
+  double first_landmarks = 2.0;   ///< landmark weight, times confidence, at the start …
+  double last_landmarks = 0.02;   ///< … and at the end
+  double least_cosine = 0.5;      ///< between normals
+  bool free_scale = true;         ///< pieces may grow (another person); false: locally rigid (the same person)
   int stages = 7, steps_a_stage = 4;
-  int landmark_steps = 0;             ///< steps under landmarks alone before any data counts, at a tenth of the first stiffness
-  double landmark_relaxation = 0.9;   ///< [0, 1]: how far the shape they give becomes the one that stiffness keeps
-  void validate() const;              ///< throws `InputError`
+  int landmark_steps = 0;  ///< steps under landmarks alone before any data counts, at a tenth of the first stiffness
+  double landmark_relaxation = 0.9;  ///< [0, 1]: how far the shape they give becomes the one that stiffness keeps
+  void validate() const;             ///< throws `InputError`
 };
 
 struct NonrigidResult {
-  Points positions;                   ///< vertex_count×3, scan frame
+  Points positions;  ///< vertex_count×3, scan frame
   int steps = 0;
   double initial_error = 0.0, final_error = 0.0;  ///< mean distance of vertices with data from the scan, mm
 };

@@ -1,8 +1,7 @@
 #include "register/orientation.h"
 
-#include <cmath>
-
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace vultus::registration {
 namespace {
@@ -17,7 +16,8 @@ std::optional<FaceAxes> face_axes(const Template& head, const Points& positions)
   for (int needed : {27, 30, 36, 39, 42, 45})
     if ((*head.ibug68)[needed] < 0) return {};
   auto point = [&](int i) -> Eigen::Vector3d { return positions.row((*head.ibug68)[i]).transpose(); };
-  return FaceAxes{0.5 * (point(36) + point(39)), 0.5 * (point(42) + point(45)), point(27), point(30), point(36), point(45)};
+  return FaceAxes{
+      0.5 * (point(36) + point(39)), 0.5 * (point(42) + point(45)), point(27), point(30), point(36), point(45)};
 }
 
 Similarity normalize_orientation(const FaceAxes& pose, const FaceAxes& model) {
@@ -30,7 +30,8 @@ Similarity normalize_orientation(const FaceAxes& pose, const FaceAxes& model) {
       Eigen::AngleAxisd(-std::atan2(flat.y(), flat.x()), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const Eigen::Matrix3d level = about_z * about_y;
   // Step 1 last, so that the turn about x leaves the eyes' line where it is.
-  const double pitch = ridge_angle(level * (pose.ridge_tip - pose.ridge_top)) - ridge_angle(model.ridge_tip - model.ridge_top);
+  const double pitch =
+      ridge_angle(level * (pose.ridge_tip - pose.ridge_top)) - ridge_angle(model.ridge_tip - model.ridge_top);
   Similarity face;
   face.rotation = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()).toRotationMatrix() * level;
   const Eigen::Vector3d middle = 0.5 * (pose.right_corner + pose.left_corner);

@@ -7,8 +7,8 @@ namespace vultus::registration {
 
 /// The points of one pose that Zhu §4.7 turns a face by: the middles of both eyes and two points of the nose ridge.
 struct FaceAxes {
-  Eigen::Vector3d right_eye, left_eye;    ///< middles between the corners (the subject's right is at −x)
-  Eigen::Vector3d ridge_top, ridge_tip;   ///< nose ridge
+  Eigen::Vector3d right_eye, left_eye;        ///< middles between the corners (the subject's right is at −x)
+  Eigen::Vector3d ridge_top, ridge_tip;       ///< nose ridge
   Eigen::Vector3d right_corner, left_corner;  ///< outer corners of the eyes
 };
 

@@ -1,8 +1,8 @@
 #include "register/project.h"
 
-#include <functional>
-
 #include <tbb/parallel_for.h>
+
+#include <functional>
 
 #include "core/error.h"
 #include "register/fill.h"
@@ -22,7 +22,8 @@ Projection project(const Topology& topology, const Points& positions, const std:
   tbb::parallel_for(0, n, [&](int v) {
     const Eigen::Vector3d ray = movable[v] ? direction(v) : Eigen::Vector3d::Zero();
     if (ray.isZero()) return;
-    const auto found = scan.along(positions.row(v), ray, normals.row(v), options.max_displacement, options.least_cosine);
+    const auto found =
+        scan.along(positions.row(v), ray, normals.row(v), options.max_displacement, options.least_cosine);
     if (!found) return;
     displacements.row(v) = found->position.transpose() - positions.row(v);
     hit[v] = 1;

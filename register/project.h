@@ -14,8 +14,8 @@ struct ProjectOptions {
 };
 
 struct Projection {
-  Points positions;         ///< vertex_count×3, scan frame
-  std::vector<bool> hit;    ///< vertices that lie on the scan now
+  Points positions;       ///< vertex_count×3, scan frame
+  std::vector<bool> hit;  ///< vertices that lie on the scan now
 };
 
 /// Zhu §4.5.2: each vertex goes along the ray that is perpendicular to the line through `axis_point` along the unit

@@ -1,13 +1,13 @@
 #include "register/quality.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/neighbours.h"
 #include "core/rays.h"
@@ -162,8 +162,10 @@ std::string number(double value) {
 void reach_verdict(const QualityLimits& limits, Quality& quality) {
   std::vector<std::string> failures, warnings;
   auto check = [&](double value, double pass, double fail, const std::string& text) {
-    if (value >= fail) failures.push_back(text);
-    else if (value >= pass) warnings.push_back(text);
+    if (value >= fail)
+      failures.push_back(text);
+    else if (value >= pass)
+      warnings.push_back(text);
   };
   const auto face = quality.sets.find("face");
   const SetQuality& main = face != quality.sets.end() ? face->second : quality.sets.at("all");
@@ -176,11 +178,14 @@ void reach_verdict(const QualityLimits& limits, Quality& quality) {
   if (!quality.landmarks.empty())
     check(quality.landmark_mean, limits.pass_landmarks, limits.fail_landmarks,
           "landmarks lie " + number(quality.landmark_mean) + " mm from their places on average");
-  check(quality.flipped_triangles, 1, std::max(50.0, 0.02 * main.vertices), std::to_string(quality.flipped_triangles) + " triangles folded over");
+  check(quality.flipped_triangles, 1, std::max(50.0, 0.02 * main.vertices),
+        std::to_string(quality.flipped_triangles) + " triangles folded over");
   check(quality.stretched_triangles, std::max(20.0, 0.01 * main.vertices), std::max(400.0, 0.2 * main.vertices),
-        std::to_string(quality.stretched_triangles) + " triangles stretched more than " + number(limits.stretch) + " times");
+        std::to_string(quality.stretched_triangles) + " triangles stretched more than " + number(limits.stretch) +
+            " times");
   check(std::abs(std::log(quality.size_ratio)), std::log(1.25), std::log(1.6),
-        "the eyes' distance is " + number(quality.size_ratio) + " times the reference's: wrong units or wrong landmarks?");
+        "the eyes' distance is " + number(quality.size_ratio) +
+            " times the reference's: wrong units or wrong landmarks?");
   quality.verdict = !failures.empty() ? Verdict::fail : !warnings.empty() ? Verdict::warn : Verdict::pass;
   quality.reasons = std::move(failures);
   quality.reasons.insert(quality.reasons.end(), warnings.begin(), warnings.end());

@@ -41,9 +41,9 @@ class ScanSurface {
  private:
   const Mesh* scan_;
   RayScene rays_;
-  Points normals_;             // per vertex, smoothed over the scanner's noise
-  std::vector<bool> border_;   // per vertex
-  std::vector<bool> invented_; // per triangle, or empty
+  Points normals_;              // per vertex, smoothed over the scanner's noise
+  std::vector<bool> border_;    // per vertex
+  std::vector<bool> invented_;  // per triangle, or empty
 };
 
 }  // namespace vultus::registration

@@ -1,9 +1,9 @@
 #include "register/shaded_view.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 
@@ -36,9 +36,7 @@ int smoothing_rounds(const Mesh& scan) {
 }  // namespace
 
 ScanPictures::ScanPictures(const Mesh& scan)
-    : scan_(&scan),
-      rays_(*scan.topology, scan.positions),
-      normals_(smoothed_normals(scan, smoothing_rounds(scan))) {
+    : scan_(&scan), rays_(*scan.topology, scan.positions), normals_(smoothed_normals(scan, smoothing_rounds(scan))) {
   if (scan.has_colours() || scan.texture.empty() || !scan.topology->has_uvs()) return;
   try {
     texture_ = read_image(scan.texture);
@@ -77,7 +75,8 @@ GreyImage ScanPictures::shade(const Camera& camera, const Eigen::Vector3d& light
         linear = albedo(hit->place) * (ambient + (1.0 - ambient) * lambert);
       }
       const float encoded = srgb_from_linear(static_cast<float>(std::clamp(linear, 0.0, 1.0)));
-      picture.pixels[static_cast<std::size_t>(y) * camera.width + x] = static_cast<std::uint8_t>(std::lround(255 * encoded));
+      picture.pixels[static_cast<std::size_t>(y) * camera.width + x] =
+          static_cast<std::uint8_t>(std::lround(255 * encoded));
     }
   });
   return picture;

@@ -1,11 +1,11 @@
 #include "register/smooth_projection.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <cmath>
 #include <utility>
-
-#include <Eigen/SparseCholesky>
-#include <tbb/parallel_for.h>
 
 #include "core/neighbours.h"
 
@@ -81,7 +81,8 @@ Sparse smoothness(const Topology& topology, const std::vector<std::pair<int, int
 }
 
 // Offsets are halved around triangles that they would turn over, until none turns or little is left of them.
-void hold_back_folds(const Topology& topology, const Points& positions, const Points& normals, Eigen::VectorXd& offset) {
+void hold_back_folds(const Topology& topology, const Points& positions, const Points& normals,
+                     Eigen::VectorXd& offset) {
   const Points before = triangle_normals(topology, positions);
   for (int round = 0; round < 8; ++round) {
     const Points moved = positions + offset.asDiagonal() * normals;

@@ -10,9 +10,9 @@ namespace vultus::registration {
 struct SmoothProjectionOptions {
   double limit = 3.0;         ///< mm, > 0: farther scan does not pull
   double least_cosine = 0.5;  ///< between normals
-  double bending = 0.05;      ///< ≥ 0: of Σ (mean of neighbours' offsets − own)², against one unit a vertex with data
-  double membrane = 0.002;    ///< ≥ 0: of Σ_edges (offset difference)²
-  int rounds = 3;             ///< correspondences are found anew each round
+  double bending = 0.05;  ///< ≥ 0: of Σ (mean of neighbours' offsets − own)², against one unit a vertex with data
+  double membrane = 0.002;  ///< ≥ 0: of Σ_edges (offset difference)²
+  int rounds = 3;           ///< correspondences are found anew each round
 };
 
 /// Draws a mesh that nearly fits onto the scan along its own normals: the offsets h minimize Σ w (distance to the

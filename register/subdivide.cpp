@@ -1,13 +1,13 @@
 #include "register/subdivide.h"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -127,8 +127,7 @@ struct LoopSubdivision::Stencils {
 };
 
 LoopSubdivision::LoopSubdivision(std::shared_ptr<const Topology> control, int levels) : control_(std::move(control)) {
-  if (levels < 0 || levels > 6)
-    throw InputError("subdivision levels must be 0 to 6, not " + std::to_string(levels));
+  if (levels < 0 || levels > 6) throw InputError("subdivision levels must be 0 to 6, not " + std::to_string(levels));
   if (levels == 0) {
     refined_ = control_;
     return;
@@ -147,8 +146,8 @@ LoopSubdivision::LoopSubdivision(std::shared_ptr<const Topology> control, int le
 
 Points LoopSubdivision::operator()(const Points& control_positions) const {
   if (control_positions.rows() != control_->vertex_count())
-    throw InputError("subdivision of a mesh with " + std::to_string(control_->vertex_count()) +
-                     " vertices was given " + std::to_string(control_positions.rows()) + " positions");
+    throw InputError("subdivision of a mesh with " + std::to_string(control_->vertex_count()) + " vertices was given " +
+                     std::to_string(control_positions.rows()) + " positions");
   if (!stencils_) return control_positions;
   Points refined(refined_->vertex_count(), 3);
   // Positions are packed rows of three doubles on both sides, as `Row<3>` is.

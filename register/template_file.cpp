@@ -1,7 +1,6 @@
 #include "register/template_file.h"
 
 #include <algorithm>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -23,7 +22,8 @@ void check_keys(const fs::path& file, const json& object, const std::string& pla
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string near = nearest_name(key, known);
-    throw InputError(file, place, "unknown entry \"" + key + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    throw InputError(file, place,
+                     "unknown entry \"" + key + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
   }
 }
 
@@ -31,8 +31,9 @@ int read_vertex(const fs::path& file, const std::string& place, const json& valu
   if (!value.is_number_integer()) throw InputError(file, place, "must be a vertex number");
   const auto vertex = value.get<long long>();
   if (vertex < least || vertex >= vertex_count)
-    throw InputError(file, place, "vertex " + std::to_string(vertex) + " is not in the mesh of " +
-                                      std::to_string(vertex_count) + " vertices (numbers start at 0)");
+    throw InputError(file, place,
+                     "vertex " + std::to_string(vertex) + " is not in the mesh of " + std::to_string(vertex_count) +
+                         " vertices (numbers start at 0)");
   return static_cast<int>(vertex);
 }
 
@@ -139,7 +140,8 @@ double millimetres(const std::string& unit) {
 Template read_template(const fs::path& path) {
   const TemplateFiles files = locate(path);
   const Mesh mesh = read_mesh(files.obj);
-  if (mesh.topology->face_count() == 0) throw InputError(files.obj, "a template needs faces, this file has points only");
+  if (mesh.topology->face_count() == 0)
+    throw InputError(files.obj, "a template needs faces, this file has points only");
   std::error_code ignored;
   if (fs::exists(files.description, ignored)) return describe(files.description, read_json(files.description), mesh);
   Template result;

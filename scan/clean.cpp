@@ -1,11 +1,10 @@
 #include "scan/clean.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
-
-#include <Eigen/Geometry>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -45,7 +44,9 @@ int merge_equal_vertices(Soup& soup) {
   auto key = [&](int v) { return std::tuple(soup.positions(v, 0), soup.positions(v, 1), soup.positions(v, 2)); };
   order.erase(std::remove_if(order.begin(), order.end(), [&](int v) { return !soup.positions.row(v).allFinite(); }),
               order.end());
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b)); });
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
   std::vector<int> first(soup.positions.rows());
   std::iota(first.begin(), first.end(), 0);
   int merged = 0;
@@ -257,7 +258,8 @@ Units guess_units(const Points& positions) {
 }
 
 void CleanOptions::validate() const {
-  if (!(mm_per_unit >= 0.0) || !std::isfinite(mm_per_unit)) throw InputError("cleaning: millimetres per unit must be positive");
+  if (!(mm_per_unit >= 0.0) || !std::isfinite(mm_per_unit))
+    throw InputError("cleaning: millimetres per unit must be positive");
   if (!(smallest_component >= 0.0 && smallest_component <= 1.0))
     throw InputError("cleaning: the smallest component must be a share from 0 to 1");
   if (!(spike_factor > 1.0)) throw InputError("cleaning: the spike factor must be above 1");
@@ -316,7 +318,8 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   drop_stray_components(soup, options.smallest_component, report);
   if (soup.triangles.empty()) throw InputError("nothing of the scan is left after cleaning");
   result.removed = removed_points(before, soup);
-  report.unused_vertices = drop_unused(soup) - report.spike_vertices - report.duplicate_vertices - report.non_finite_vertices;
+  report.unused_vertices =
+      drop_unused(soup) - report.spike_vertices - report.duplicate_vertices - report.non_finite_vertices;
   report.unused_vertices = std::max(0, report.unused_vertices);
   progress.check();
 

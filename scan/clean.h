@@ -18,13 +18,13 @@ struct Units {
 Units guess_units(const Points& positions);
 
 struct CleanOptions {
-  double mm_per_unit = 0.0;          ///< 0: guess from the size
-  double smallest_component = 0.004; ///< of the largest component's area, [0, 1]; smaller ones are stray
-  double spike_factor = 6.0;         ///< > 1: a vertex farther from its neighbours' plane than this many usual steps
-                                     ///< (robust over the scan) is a spike; large values keep everything
-  double largest_filled_hole = 0.0;  ///< mm of boundary length; 0 leaves every hole open
-  double target_triangles = 0;       ///< decimate down to about so many (0: keep the density)
-  void validate() const;             ///< throws `InputError`
+  double mm_per_unit = 0.0;           ///< 0: guess from the size
+  double smallest_component = 0.004;  ///< of the largest component's area, [0, 1]; smaller ones are stray
+  double spike_factor = 6.0;          ///< > 1: a vertex farther from its neighbours' plane than this many usual steps
+                                      ///< (robust over the scan) is a spike; large values keep everything
+  double largest_filled_hole = 0.0;   ///< mm of boundary length; 0 leaves every hole open
+  double target_triangles = 0;        ///< decimate down to about so many (0: keep the density)
+  void validate() const;              ///< throws `InputError`
 };
 
 /// What cleaning found, counted in the order in which it was done.
@@ -32,20 +32,20 @@ struct CleanReport {
   Units units;
   int vertices_before = 0, triangles_before = 0;
   int non_finite_vertices = 0, duplicate_vertices = 0, degenerate_triangles = 0, duplicate_triangles = 0;
-  int non_manifold_splits = 0;                        ///< vertices doubled so that every edge has at most two sides
+  int non_manifold_splits = 0;  ///< vertices doubled so that every edge has at most two sides
   int stray_components = 0, stray_triangles = 0;
   int spike_vertices = 0;
   int unused_vertices = 0;
-  int open_boundaries = 0;                            ///< holes and borders left open
+  int open_boundaries = 0;  ///< holes and borders left open
   int holes_filled = 0, invented_triangles = 0;
   int vertices_after = 0, triangles_after = 0;
-  std::vector<std::string> lines() const;             ///< one sentence a finding, for a log
+  std::vector<std::string> lines() const;  ///< one sentence a finding, for a log
 };
 
 struct CleanScan {
-  Mesh mesh;                                ///< mm, triangles, oriented and manifold; UVs and colours kept
-  std::vector<bool> invented;               ///< per triangle: made by hole filling, never to be trusted as data
-  Points removed;                           ///< mm: the vertices taken out, for pictures of what was removed
+  Mesh mesh;                   ///< mm, triangles, oriented and manifold; UVs and colours kept
+  std::vector<bool> invented;  ///< per triangle: made by hole filling, never to be trusted as data
+  Points removed;              ///< mm: the vertices taken out, for pictures of what was removed
   CleanReport report;
 };
 

@@ -1,9 +1,9 @@
-#include <cmath>
-
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+
+#include <cmath>
 
 #include "scan/soup.h"
 

@@ -1,8 +1,8 @@
-#include <algorithm>
-#include <cstdint>
-
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Simple_cartesian.h>
+
+#include <algorithm>
+#include <cstdint>
 
 #include "scan/soup.h"
 
@@ -86,7 +86,8 @@ int orient(Soup& soup) {
   for (int v = 0; v < before; ++v) points.emplace_back(v, 0, 0);
   std::vector<std::vector<std::size_t>> polygons;
   for (const auto& t : soup.triangles)
-    polygons.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
+    polygons.push_back(
+        {static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
   CGAL::Polygon_mesh_processing::orient_polygon_soup(points, polygons);
 
   std::vector<int> original;

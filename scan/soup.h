@@ -10,9 +10,9 @@ namespace vultus::scan {
 /// Triangles in progress of being cleaned: positions and per-corner UV rows, nothing promised about connectivity.
 struct Soup {
   Points positions;
-  Points colours;                             ///< 0 rows, or one a position
+  Points colours;  ///< 0 rows, or one a position
   std::vector<std::array<int, 3>> triangles;
-  std::vector<std::array<int, 3>> uv_rows;    ///< empty, or one a triangle
+  std::vector<std::array<int, 3>> uv_rows;  ///< empty, or one a triangle
 };
 
 Soup soup_from(const Mesh& mesh);

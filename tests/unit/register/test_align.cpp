@@ -1,12 +1,11 @@
-#include "register/align.h"
-
-#include <cmath>
+#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/random.h"
+#include "register/align.h"
 #include "register/orientation.h"
 #include "synthetic_surfaces.h"
 
@@ -28,7 +27,8 @@ double farthest(const Similarity& a, const Similarity& b, const Points& points) 
 TEST(AlignLandmarks, FindsTheMotionDespiteWrongPoints) {
   Random random(3);
   Points source(30, 3);
-  for (int i = 0; i < 30; ++i) source.row(i) << random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-30, 30);
+  for (int i = 0; i < 30; ++i)
+    source.row(i) << random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-30, 30);
   const Similarity truth = some_motion(1.1);
   Points target = transformed(truth, source);
   for (int i : {3, 11, 20, 27}) target.row(i) += Eigen::RowVector3d(25, -30, 10);

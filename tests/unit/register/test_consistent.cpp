@@ -1,14 +1,13 @@
-#include "register/consistent.h"
-
-#include <algorithm>
-#include <cmath>
+#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/random.h"
 #include "core/rays.h"
+#include "register/consistent.h"
 #include "register/subdivide.h"
 #include "register/template_head.h"
 
@@ -78,8 +77,8 @@ class RegisterNeutral : public testing::Test {
  protected:
   Template head = template_head();
   LoopSubdivision loop{head.topology, head.subdivisions};
-  Points person;          // refined, face frame
-  Mesh scan;              // turned away
+  Points person;  // refined, face frame
+  Mesh scan;      // turned away
   ScanLandmarks landmarks;
 
   void SetUp() override {
@@ -91,7 +90,8 @@ class RegisterNeutral : public testing::Test {
     for (const Landmark& landmark : head.landmarks) {
       if (!landmark.major) continue;  // as a person would place them, with 0.5 mm of unsteadiness
       const Eigen::Vector3d shake(random.normal(), random.normal(), random.normal());
-      landmarks.push_back({landmark.name, head_pose() * Eigen::Vector3d(person.row(landmark.vertex)) + 0.5 * shake, 1.0});
+      landmarks.push_back(
+          {landmark.name, head_pose() * Eigen::Vector3d(person.row(landmark.vertex)) + 0.5 * shake, 1.0});
     }
   }
 
@@ -115,8 +115,8 @@ class RegisterNeutral : public testing::Test {
 TEST_F(RegisterNeutral, DefaultLiesOnTheSurfaceWithItsVerticesInPlace) {
   const Registered result = register_neutral(head, scan, landmarks, {}, Progress::none());
   const Errors errors = errors_of(result);
-  EXPECT_LT(errors.to_surface_mean, 0.3);   // what issue 2 asks for
-  EXPECT_LT(errors.to_place_median, 1.5);   // landmarks unsteady by 0.9 mm, the warp up to 8 mm
+  EXPECT_LT(errors.to_surface_mean, 0.3);  // what issue 2 asks for
+  EXPECT_LT(errors.to_place_median, 1.5);  // landmarks unsteady by 0.9 mm, the warp up to 8 mm
   EXPECT_NE(result.quality.verdict, Verdict::fail);
   EXPECT_EQ(result.mesh.topology->vertex_count(), loop.refined()->vertex_count());
   // The face frame: the eye line along x and the outer corners' middle where the template has it.

@@ -1,14 +1,13 @@
-#include "register/detect_landmarks.h"
-
-#include <algorithm>
-#include <cmath>
+#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/transform.h"
 #include "register/anchors.h"
+#include "register/detect_landmarks.h"
 #include "register/subdivide.h"
 #include "register/template_head.h"
 
@@ -38,9 +37,10 @@ TEST_F(DetectLandmarks, FindsTheFaceOfAHeadThatIsTurnedAndLaidOnItsSide) {
   scan.topology = loop.refined();
   Similarity pose;
   pose.scale = 0.1;  // centimetres: finding must not depend on units
-  pose.rotation = (Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.35, Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitX()))
-                      .toRotationMatrix();
+  pose.rotation =
+      (Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.35, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   scan.positions = transformed(pose, loop(head.neutral));
   const DetectedLandmarks found = detect_landmarks(scan, *finder);
   // The axes come from eyes and mouth seen from the front: within some 12 degrees of the head's own.
@@ -59,9 +59,7 @@ TEST_F(DetectLandmarks, FindsTheFaceOfAHeadThatIsTurnedAndLaidOnItsSide) {
   EXPECT_LT(errors[errors.size() / 2], 6.0);  // dlib on a bare grey shape is biased by some millimetres
 }
 
-TEST(FaceFinderModel, MissingOrWrongFilesAreNamed) {
-  EXPECT_THROW(FaceFinder("/nowhere/model.dat"), InputError);
-}
+TEST(FaceFinderModel, MissingOrWrongFilesAreNamed) { EXPECT_THROW(FaceFinder("/nowhere/model.dat"), InputError); }
 
 TEST(Anchors, UnitsFollowTheEyes) {
   EXPECT_EQ(unit_correction(90.0), 1.0);

@@ -1,13 +1,12 @@
-#include "register/nonrigid.h"
+#include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-#include <gtest/gtest.h>
-
 #include "core/error.h"
 #include "register/deformation_graph.h"
+#include "register/nonrigid.h"
 #include "synthetic_surfaces.h"
 
 namespace vultus::registration {
@@ -86,7 +85,8 @@ TEST(GraphFit, PullsAllVerticesToGivenPlaces) {
 
 // A warp a face could undergo: smooth, some millimetres, not along normals only.
 Eigen::Vector3d warped(const Eigen::Vector3d& p) {
-  return p + Eigen::Vector3d(3.0 * std::sin(p.y() / 40.0), 2.5 * std::sin(p.z() / 35.0 + 1.0), 3.0 * std::cos(p.x() / 45.0));
+  return p + Eigen::Vector3d(3.0 * std::sin(p.y() / 40.0), 2.5 * std::sin(p.z() / 35.0 + 1.0),
+                             3.0 * std::cos(p.x() / 45.0));
 }
 
 TEST(FitNonrigid, FollowsASmoothWarpToTheSurface) {
@@ -100,8 +100,8 @@ TEST(FitNonrigid, FollowsASmoothWarpToTheSurface) {
   const ScanSurface surface(scan);
   NonrigidOptions options;
   options.far_spacing = 20.0;
-  const NonrigidResult result =
-      fit_nonrigid(*model.topology, model.positions, model.positions, everywhere(model), surface, {}, Points(0, 3), options);
+  const NonrigidResult result = fit_nonrigid(*model.topology, model.positions, model.positions, everywhere(model),
+                                             surface, {}, Points(0, 3), options);
   EXPECT_GT(result.initial_error, 1.0);
   EXPECT_LT(result.final_error, 0.3);
   std::vector<double> to_surface, to_place;

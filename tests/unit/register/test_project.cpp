@@ -1,13 +1,12 @@
-#include "register/project.h"
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include <gtest/gtest.h>
-
 #include "core/error.h"
 #include "register/fill.h"
+#include "register/project.h"
 #include "register/scan_surface.h"
 #include "register/smooth_projection.h"
 #include "synthetic_surfaces.h"
@@ -44,7 +43,8 @@ TEST(CylindricalProjection, GoesStraightOutToACylinder) {
   const Projection result = project_cylindrically(*inside.topology, inside.positions, all, surface, origin, up);
   for (int v = 60; v < inside.positions.rows() - 60; ++v) {  // the rims touch the scan's own edge
     ASSERT_TRUE(result.hit[v]);
-    const Eigen::RowVector3d expected = inside.positions.row(v).cwiseProduct(Eigen::RowVector3d(80.0 / 76, 1, 80.0 / 76));
+    const Eigen::RowVector3d expected =
+        inside.positions.row(v).cwiseProduct(Eigen::RowVector3d(80.0 / 76, 1, 80.0 / 76));
     // 720 facets around: a chord lies at most 0.8 µm inside the circle.
     EXPECT_LT((result.positions.row(v) - expected).norm(), 2e-3);
   }
@@ -65,7 +65,8 @@ TEST(CylindricalProjection, KeepsToTheLimitAndFillsSmoothly) {
   const std::vector<bool> all(inside.positions.rows(), true);
   ProjectOptions options;
   options.max_displacement = 10.0;  // the dent is some 19 mm away
-  const Projection result = project_cylindrically(*inside.topology, inside.positions, all, surface, origin, up, options);
+  const Projection result =
+      project_cylindrically(*inside.topology, inside.positions, all, surface, origin, up, options);
   for (int v : dented) {
     EXPECT_FALSE(result.hit[v]);
     // Displacements around are 4 mm outward; a harmonic fill stays within them.

@@ -1,7 +1,6 @@
-#include "register/quality.h"
-
 #include <gtest/gtest.h>
 
+#include "register/quality.h"
 #include "register/template.h"
 #include "synthetic_surfaces.h"
 

@@ -1,8 +1,7 @@
-#include "register/subdivide.h"
-
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "register/subdivide.h"
 
 namespace vultus::registration {
 namespace {
@@ -40,8 +39,7 @@ TEST(LoopSubdivision, TetrahedronFollowsLoopsWeights) {
   ASSERT_EQ(loop.refined()->vertex_count(), 4 + 6);
   ASSERT_EQ(loop.refined()->face_count(), 16);
   // Valence 3: the vertex keeps 1 − 3·3/16 and takes 3/16 of each neighbour (Loop 1987). The neighbours sum to −v.
-  for (int v = 0; v < 4; ++v)
-    EXPECT_LT((refined.row(v) - (7.0 / 16 - 3.0 / 16) * control.row(v)).norm(), 1e-6) << v;
+  for (int v = 0; v < 4; ++v) EXPECT_LT((refined.row(v) - (7.0 / 16 - 3.0 / 16) * control.row(v)).norm(), 1e-6) << v;
   // An edge point takes 3/8 of each end and 1/8 of both opposite vertices, whose sum is minus that of the ends.
   Eigen::Vector3d expected = 0.25 * (control.row(0) + control.row(1)).transpose();
   double nearest = 1e9;

@@ -1,12 +1,11 @@
-#include "register/template_file.h"
+#include <gtest/gtest.h>
 
 #include <fstream>
-
-#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "register/landmarks.h"
+#include "register/template_file.h"
 
 namespace vultus::registration {
 namespace {

@@ -1,14 +1,13 @@
-#include "scan/clean.h"
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <gtest/gtest.h>
-
 #include "core/error.h"
 #include "core/neighbours.h"
 #include "core/random.h"
+#include "scan/clean.h"
 
 namespace vultus::scan {
 namespace {
@@ -63,11 +62,11 @@ TEST(CleanScan, RemovesWhatIsBroken) {
   const int sound_vertices = static_cast<int>(raw.points.size());
   const int sound_triangles = static_cast<int>(raw.triangles.size());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  raw.points.push_back({nan, 0, 0});                      // hangs on one extra triangle
+  raw.points.push_back({nan, 0, 0});  // hangs on one extra triangle
   raw.triangles.push_back({0, 1, sound_vertices});
-  raw.points.push_back(raw.points[5]);                    // repeats vertex 5
-  raw.triangles.push_back({5, 6, sound_vertices + 1});    // has no area once both are one
-  raw.triangles.push_back(raw.triangles[10]);             // twice
+  raw.points.push_back(raw.points[5]);                  // repeats vertex 5
+  raw.triangles.push_back({5, 6, sound_vertices + 1});  // has no area once both are one
+  raw.triangles.push_back(raw.triangles[10]);           // twice
   for (int k = 0; k < 3; ++k) raw.points.push_back({300.0 + k, 10.0 * k, k == 2 ? 5.0 : 0.0});
   raw.triangles.push_back({sound_vertices + 2, sound_vertices + 3, sound_vertices + 4});  // stray
   const CleanReport report = clean_scan(raw.mesh()).report;
