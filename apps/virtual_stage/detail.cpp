@@ -27,7 +27,8 @@ Eigen::VectorXd relief(const Points& fine, const Eigen::VectorXd& skin, const Ei
   for (Eigen::Index v = 0; v < fine.rows(); ++v) {
     if (skin[v] <= 0.0) continue;
     const Eigen::Vector3d p = fine.row(v).transpose() / scale;
-    const double ground = 0.045 * solid_noise(p / 3.1, options.seed + 1) + 0.03 * solid_noise(p / 1.4, options.seed + 2);
+    const double ground =
+        0.045 * solid_noise(p / 3.1, options.seed + 1) + 0.03 * solid_noise(p / 1.4, options.seed + 2);
     const double pit = std::max(0.0, solid_noise(p / 1.05, options.seed + 3) - 0.25);
     const double lines = solid_noise(Eigen::Vector3d(p.x() / 0.9, p.y() / 7.0, p.z() / 6.0), options.seed + 4);
     height[v] = options.pores * skin[v] * ((1.0 - lips[v]) * (ground - 0.10 * pit) + lips[v] * 0.10 * lines);

@@ -35,7 +35,9 @@ std::shared_ptr<const Topology> with_contact_lines(const registration::Template&
 }
 
 FaceFeatures::FaceFeatures(const Topology& topology_in, const Points& positions_in)
-    : topology(topology_in), positions(positions_in), mirror(registration::template_mirror()),
+    : topology(topology_in),
+      positions(positions_in),
+      mirror(registration::template_mirror()),
       normals(vertex_normals(topology_in, positions_in)),
       fields(topology_in, positions_in) {
   scale = (at("3.7") - at("3.7", Side::right)).norm() / 90.0;

@@ -18,12 +18,12 @@ std::shared_ptr<const Topology> with_contact_lines(const registration::Template&
 
 /// One identity's neutral on the subdivided template, with its landmarks on either side.
 struct FaceFeatures {
-  const Topology& topology;         ///< subdivided `with_contact_lines`
-  const Points& positions;          ///< neutral, mm
-  std::vector<int> mirror;          ///< twin of each control vertex
+  const Topology& topology;  ///< subdivided `with_contact_lines`
+  const Points& positions;   ///< neutral, mm
+  std::vector<int> mirror;   ///< twin of each control vertex
   Points normals;
-  SmoothFields fields;              ///< on the neutral
-  double scale = 1.0;               ///< distance of the outer eye corners / 90 mm
+  SmoothFields fields;  ///< on the neutral
+  double scale = 1.0;   ///< distance of the outer eye corners / 90 mm
 
   FaceFeatures(const Topology& topology, const Points& positions);
 

@@ -75,8 +75,8 @@ void FaceModel::close_lids(Points& positions, const Activations& activations) co
     const double closing = strength(Muscle::lid_closer), squint = strength(Muscle::lid_tightener),
                  cheek = strength(Muscle::cheek_raiser), raise = strength(Muscle::lid_raiser);
     const double brow = strength(Muscle::brow_lowerer);
-    // The lower lid moves little in a blink; what narrows an eye in a smile or squint is mostly the lower lid. Its share
-    // of the closed line's height is small, so its angle is large.
+    // The lower lid moves little in a blink; what narrows an eye in a smile or squint is mostly the lower lid. Its
+    // share of the closed line's height is small, so its angle is large.
     const double upper = closing + (1.0 - closing) * (0.28 * squint + 0.10 * cheek + 0.08 * brow - 0.32 * raise);
     const double lower = std::min(1.0, closing + (1.0 - closing) * (1.4 * squint + 1.0 * cheek - 0.25 * raise));
     lids_[static_cast<int>(side)].apply(positions, upper, lower);

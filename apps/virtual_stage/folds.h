@@ -11,9 +11,9 @@ namespace vultus::virtual_stage {
 /// the line, rises) along its normal when the fold is at its fullest, and the muscles that fold it.
 struct Fold {
   std::vector<int> vertices;
-  Eigen::VectorXd depth;                          ///< for each of `vertices`, mm, negative inward
-  std::vector<std::pair<Muscle, double>> drive;   ///< share of each muscle's strength; the sum counts up to 1
-  double always = 0.0;                            ///< part that is there at rest
+  Eigen::VectorXd depth;                         ///< for each of `vertices`, mm, negative inward
+  std::vector<std::pair<Muscle, double>> drive;  ///< share of each muscle's strength; the sum counts up to 1
+  double always = 0.0;                           ///< part that is there at rest
   Side side = Side::left;
 
   double strength(const Activations& activations) const;

@@ -1,10 +1,8 @@
 #include "apps/virtual_stage/jaw.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Geometry>
-
 
 namespace vultus::virtual_stage {
 namespace {
@@ -13,10 +11,10 @@ constexpr double corner_follows = 0.40;  // share of the jaw's turn that the mou
 constexpr double full_turn = 0.37, full_side = 8.0, full_forward = 6.0;  // radians, mm
 
 Eigen::VectorXd jaw_weight(const FaceFeatures& face) {
-  const std::vector<bool> upper = face.members("upper_lip"), lower = face.members("lower_lip"), lips = face.members("lips"),
-                          neck = face.members("neck"), back = face.members("back_of_head"), ears = face.members("ears"),
-                          eyes = face.members("eyeballs"), teeth_upper = face.members("teeth_upper"),
-                          teeth_lower = face.members("teeth_lower");
+  const std::vector<bool> upper = face.members("upper_lip"), lower = face.members("lower_lip"),
+                          lips = face.members("lips"), neck = face.members("neck"), back = face.members("back_of_head"),
+                          ears = face.members("ears"), eyes = face.members("eyeballs"),
+                          teeth_upper = face.members("teeth_upper"), teeth_lower = face.members("teeth_lower");
   const double s = face.scale;
   const Eigen::Vector3d nose = face.at("9.15"), chin = face.at("2.1"), fold = face.at("labiomental"),
                         corner = face.at("2.13"), tragus = face.at("10.9"), throat = face.at("throat_top");
@@ -25,7 +23,8 @@ Eigen::VectorXd jaw_weight(const FaceFeatures& face) {
     const Eigen::Vector3d p = face.positions.row(v);
     const double along = along_mouth(face, p.x()), opening = mouth_opening(along);
     // A line from above the nose's wings down to the ear's lobe bounds what the skull holds.
-    const double skull_line = nose.y() + 4 * s + (tragus.y() - 25 * s - nose.y()) * std::abs(p.x()) / std::abs(tragus.x());
+    const double skull_line =
+        nose.y() + 4 * s + (tragus.y() - 25 * s - nose.y()) * std::abs(p.x()) / std::abs(tragus.x());
     if (eyes[v] || teeth_upper[v] || back[v] || ears[v])
       given.emplace_back(v, 0.0);
     else if (teeth_lower[v])
@@ -55,9 +54,7 @@ double along_mouth(const FaceFeatures& face, double x) {
   return 2.0 * (x - right) / (left - right) - 1.0;
 }
 
-double mouth_opening(double along) {
-  return std::pow(std::max(0.0, 1.0 - std::pow(std::abs(along), 2.2)), 0.62);
-}
+double mouth_opening(double along) { return std::pow(std::max(0.0, 1.0 - std::pow(std::abs(along), 2.2)), 0.62); }
 
 JawMotion jaw_motion(const FaceFeatures& face) {
   JawMotion jaw;

@@ -8,7 +8,7 @@ namespace vultus::virtual_stage {
 struct JawMotion {
   Eigen::Vector3d hinge = Eigen::Vector3d::Zero();  ///< middle of the axis, mm
   double scale = 1.0;
-  Eigen::VectorXd weight;                           ///< vertex_count, 0 (skull) … 1 (chin, lower teeth)
+  Eigen::VectorXd weight;  ///< vertex_count, 0 (skull) … 1 (chin, lower teeth)
 
   /// `open`, `left`, `forward` as `Jaw` channels: 1 is 21°, 8 mm, 6 mm.
   void apply(Points& positions, double open, double left, double forward) const;

@@ -1,11 +1,9 @@
 #include "apps/virtual_stage/lids.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <string>
-
-#include <Eigen/Dense>
-
 
 namespace vultus::virtual_stage {
 namespace {
@@ -66,7 +64,8 @@ std::string side_name(Side side) { return side == Side::left ? "left" : "right";
 
 // Angle field of one lid: `travel` at its margin and behind it, a remainder at the crease, 0 beyond the orbit.
 Eigen::VectorXd lid_field(const FaceFeatures& face, const LidMotion& lids, const std::string& set,
-                          const std::string& other_set, const Profile& own_margin, const Profile& other_margin, bool is_upper, double crease_share) {
+                          const std::string& other_set, const Profile& own_margin, const Profile& other_margin,
+                          bool is_upper, double crease_share) {
   std::vector<bool> lid = face.members(set);
   const std::vector<bool> any_lid = face.members("lids"), rim = crease(face), other = face.members(other_set);
   const double to_line = is_upper ? 1.0 - closing_height : closing_height;
@@ -76,14 +75,16 @@ Eigen::VectorXd lid_field(const FaceFeatures& face, const LidMotion& lids, const
     const double reach = (p - lids.centre).norm();
     const bool near = any_lid[v] && reach < 2.5 * lids.radius;
     const double x = p.x();
-    const double travel =
-        between_ends(own_margin, x) ? to_line * std::abs(interpolate(own_margin, x) - interpolate(other_margin, x)) : 0.0;
+    const double travel = between_ends(own_margin, x)
+                              ? to_line * std::abs(interpolate(own_margin, x) - interpolate(other_margin, x))
+                              : 0.0;
     const double angle = elevation(lids, p), edge = interpolate(own_margin, x);
     // Towards the eye's corners vertices are in neither lid's set: the nearer margin takes them.
     const double middle = 0.5 * (edge + interpolate(other_margin, x));
     if (any_lid[v] && !lid[v] && !other[v]) lid[v] = is_upper ? angle > middle : angle < middle;
     constexpr double tolerance = 0.03;  // radians
-    const bool at_margin = reach < lids.radius + 1.0 || (is_upper ? angle < edge + tolerance : angle > edge - tolerance);
+    const bool at_margin =
+        reach < lids.radius + 1.0 || (is_upper ? angle < edge + tolerance : angle > edge - tolerance);
     if (!near)
       given.emplace_back(v, 0.0);
     else if (lid[v] && at_margin)
@@ -108,9 +109,12 @@ LidMotion lid_motion(const FaceFeatures& face, Side side) {
   along.z() = 0.0;
   lids.axis = (along.x() < 0 ? Eigen::Vector3d(-along) : along).normalized();
 
-  const Profile upper = margin(face, lids, "lid_line_upper_" + name), lower = margin(face, lids, "lid_line_lower_" + name);
-  const Eigen::VectorXd down = lid_field(face, lids, "upper_lid_" + name, "lower_lid_" + name, upper, lower, true, 0.22);
-  const Eigen::VectorXd rise = lid_field(face, lids, "lower_lid_" + name, "upper_lid_" + name, lower, upper, false, 0.3);
+  const Profile upper = margin(face, lids, "lid_line_upper_" + name),
+                lower = margin(face, lids, "lid_line_lower_" + name);
+  const Eigen::VectorXd down =
+      lid_field(face, lids, "upper_lid_" + name, "lower_lid_" + name, upper, lower, true, 0.22);
+  const Eigen::VectorXd rise =
+      lid_field(face, lids, "lower_lid_" + name, "upper_lid_" + name, lower, upper, false, 0.3);
   std::vector<double> u, l, c;
   for (int v = 0; v < face.topology.vertex_count(); ++v) {
     constexpr double still = 1e-4;  // radians
@@ -150,8 +154,10 @@ Eigen::VectorXd lid_hold(const FaceFeatures& face) {
     const Sphere& eye = eyes[p.x() > 0 ? 0 : 1];
     const bool inside = lid[v] && (p - eye.centre).norm() < eye.radius + 1.0;
     if (line[v] || inside) given.emplace_back(v, 1.0);
-    if (!lid[v]) given.emplace_back(v, 0.0);
-    else if (rim[v]) given.emplace_back(v, 0.35);
+    if (!lid[v])
+      given.emplace_back(v, 0.0);
+    else if (rim[v])
+      given.emplace_back(v, 0.35);
   }
   return face.fields.through(given).cwiseMax(0.0).cwiseMin(1.0);
 }

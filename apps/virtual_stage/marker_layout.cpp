@@ -1,8 +1,7 @@
 #include "apps/virtual_stage/marker_layout.h"
 
-#include <optional>
-
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -12,33 +11,61 @@ namespace vultus::virtual_stage {
 namespace {
 
 struct Spot {
-  const char* label;      ///< without its side
-  const char* landmark;   ///< of the left side or the midline
-  double x, y;            ///< further, outward and up, in mm of a face whose outer eye corners are 90 mm apart
+  const char* label;     ///< without its side
+  const char* landmark;  ///< of the left side or the midline
+  double x, y;           ///< further, outward and up, in mm of a face whose outer eye corners are 90 mm apart
   bool anchor = false;
 };
 
-constexpr Spot on_midline[] = {{"CFH1", "forehead_low", 0, 0},  {"CFH2", "forehead", 0, 0},   {"CFH3", "forehead_high", 0, 0},
-                            {"CGLA", "glabella", 0, 0},      {"CSEL", "sellion", 0, 0, true}, {"CNB1", "nose_bridge", 0, -5},
-                            {"CNTP", "9.3", 0, 0, true},     {"CPHI", "philtrum", 0, 0},   {"CULP", "8.1", 0, 0, true},
-                            {"CLLP", "8.2", 0, 0, true},     {"CLAB", "labiomental", 0, 0}, {"CCH1", "2.10", 0, -2},
-                            {"CCH2", "2.1", 0, 3}};
+constexpr Spot on_midline[] = {
+    {"CFH1", "forehead_low", 0, 0}, {"CFH2", "forehead", 0, 0},      {"CFH3", "forehead_high", 0, 0},
+    {"CGLA", "glabella", 0, 0},     {"CSEL", "sellion", 0, 0, true}, {"CNB1", "nose_bridge", 0, -5},
+    {"CNTP", "9.3", 0, 0, true},    {"CPHI", "philtrum", 0, 0},      {"CULP", "8.1", 0, 0, true},
+    {"CLLP", "8.2", 0, 0, true},    {"CLAB", "labiomental", 0, 0},   {"CCH1", "2.10", 0, -2},
+    {"CCH2", "2.1", 0, 3}};
 
-constexpr Spot on_side[] = {
-    {"FH11", "forehead_low", 14, 2},   {"FH12", "forehead_low", 29, 4},    {"FH13", "forehead_low", 44, 2},
-    {"FH21", "forehead", 14, 1},       {"FH22", "forehead", 29, 1},        {"FH23", "forehead", 43, 0},
-    {"FH31", "forehead_high", 18, 0},  {"BRO1", "4.1", 0, 0, true},        {"BRO2", "brow_inner_left", 1, 0},
-    {"BRO3", "brow_middle_left", 0, 0}, {"BRO4", "4.3", 0, 0},             {"BRO5", "4.5", 0, 0, true},
-    {"TMP1", "temple_left", 0, 0},     {"TMP2", "orbit_outer_left", 4, 2}, {"ZYG1", "zygomatic_arch_left", 0, 0},
-    {"EYE1", "orbit_lower_left", -12, -1}, {"EYE2", "orbit_lower_left", 0, -3}, {"EYE3", "orbit_lower_left", 13, -1},
-    {"NOS1", "9.13", 0, 9},            {"NOS2", "9.13", 0, -2},            {"NOS3", "9.1", 0, 0, true},
-    {"CHK1", "nose_crease_left", 12, 4}, {"CHK2", "5.3", -12, -8},         {"CHK3", "5.3", 2, -6},
-    {"CHK4", "5.1", -10, 4},           {"CHK5", "5.1", 1, -2},             {"CHK6", "5.1", 14, -4},
-    {"NLF1", "nasolabial_high_left", 2, 0}, {"NLF2", "nasolabial_left", 0, 0}, {"NLF3", "nasolabial_low_left", 1, 0},
-    {"CHK7", "cheek_low_left", 0, 0},  {"ULP1", "8.10", 4, 0},             {"ULP2", "8.5", 3, 1},
-    {"LPCN", "8.3", 0, 0, true},       {"LLP1", "8.7", -7, -2},            {"LLP2", "8.7", 4, -1},
-    {"CHN1", "mouth_chin_left", 0, 0}, {"CHN2", "2.10", 13, 0},            {"CHN3", "2.11", 0, 2},
-    {"JAW1", "cheek_low_left", -8, -20}, {"JAW2", "cheek_low_left", 4, -12}, {"JAW3", "5.1", 17, -22}};
+constexpr Spot on_side[] = {{"FH11", "forehead_low", 14, 2},
+                            {"FH12", "forehead_low", 29, 4},
+                            {"FH13", "forehead_low", 44, 2},
+                            {"FH21", "forehead", 14, 1},
+                            {"FH22", "forehead", 29, 1},
+                            {"FH23", "forehead", 43, 0},
+                            {"FH31", "forehead_high", 18, 0},
+                            {"BRO1", "4.1", 0, 0, true},
+                            {"BRO2", "brow_inner_left", 1, 0},
+                            {"BRO3", "brow_middle_left", 0, 0},
+                            {"BRO4", "4.3", 0, 0},
+                            {"BRO5", "4.5", 0, 0, true},
+                            {"TMP1", "temple_left", 0, 0},
+                            {"TMP2", "orbit_outer_left", 4, 2},
+                            {"ZYG1", "zygomatic_arch_left", 0, 0},
+                            {"EYE1", "orbit_lower_left", -12, -1},
+                            {"EYE2", "orbit_lower_left", 0, -3},
+                            {"EYE3", "orbit_lower_left", 13, -1},
+                            {"NOS1", "9.13", 0, 9},
+                            {"NOS2", "9.13", 0, -2},
+                            {"NOS3", "9.1", 0, 0, true},
+                            {"CHK1", "nose_crease_left", 12, 4},
+                            {"CHK2", "5.3", -12, -8},
+                            {"CHK3", "5.3", 2, -6},
+                            {"CHK4", "5.1", -10, 4},
+                            {"CHK5", "5.1", 1, -2},
+                            {"CHK6", "5.1", 14, -4},
+                            {"NLF1", "nasolabial_high_left", 2, 0},
+                            {"NLF2", "nasolabial_left", 0, 0},
+                            {"NLF3", "nasolabial_low_left", 1, 0},
+                            {"CHK7", "cheek_low_left", 0, 0},
+                            {"ULP1", "8.10", 4, 0},
+                            {"ULP2", "8.5", 3, 1},
+                            {"LPCN", "8.3", 0, 0, true},
+                            {"LLP1", "8.7", -7, -2},
+                            {"LLP2", "8.7", 4, -1},
+                            {"CHN1", "mouth_chin_left", 0, 0},
+                            {"CHN2", "2.10", 13, 0},
+                            {"CHN3", "2.11", 0, 2},
+                            {"JAW1", "cheek_low_left", -8, -20},
+                            {"JAW2", "cheek_low_left", 4, -12},
+                            {"JAW3", "5.1", 17, -22}};
 
 static_assert(std::size(on_midline) == 13 && std::size(on_side) == 42);
 
@@ -107,8 +134,10 @@ Points jig_targets(const FaceFeatures& face, Random& random) {
     Side side;
     double stand_off;
   };
-  const Target targets[] = {{"11.1", Side::left, 24}, {"hairline_temple_left", Side::left, 20},
-                            {"hairline_temple_left", Side::right, 20}, {"side_hair_front_left", Side::left, 30},
+  const Target targets[] = {{"11.1", Side::left, 24},
+                            {"hairline_temple_left", Side::left, 20},
+                            {"hairline_temple_left", Side::right, 20},
+                            {"side_hair_front_left", Side::left, 30},
                             {"side_hair_front_left", Side::right, 22}};
   Points jig(std::size(targets), 3);
   const Eigen::Vector3d middle = 0.5 * (face.at("10.9") + face.at("10.9", Side::right));

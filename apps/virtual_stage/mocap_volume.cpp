@@ -1,13 +1,13 @@
 #include "apps/virtual_stage/mocap_volume.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -44,7 +44,7 @@ std::vector<Similarity> head_motion(int frames, double rate_hz, const VolumeOpti
   std::array<Wander, 3> turn = {Wander(random, 0.12, 0.6), Wander(random, 0.15, 0.8), Wander(random, 0.1, 0.5)};
   std::array<Wander, 3> shift = {Wander(random, 0.08, 0.35), Wander(random, 0.1, 0.4), Wander(random, 0.08, 0.35)};
   const Eigen::Vector3d neck(0, -105, -75), seat(120, 1260, 240);  // mm: where the head turns, where the actor sits
-  constexpr double yaw = 0.33, pitch = 0.22, roll = 0.14;         // radians
+  constexpr double yaw = 0.33, pitch = 0.22, roll = 0.14;          // radians
   std::vector<Similarity> poses(frames);
   for (int f = 0; f < frames; ++f) {
     const double t = f / rate_hz, amount = options.head_motion;
@@ -62,8 +62,8 @@ std::vector<Similarity> head_motion(int frames, double rate_hz, const VolumeOpti
 // How squarely each marker faces the cameras in a frame, 0 … 1.
 double facing(const Eigen::Vector3d& outward) { return std::clamp(0.5 + 0.5 * outward.z(), 0.0, 1.0); }
 
-void lose_bursts(mocap::Take& take, const std::vector<Similarity>& volume_from_face, const mocap::Take& clean, int first,
-                 int last, double share, Random& random) {
+void lose_bursts(mocap::Take& take, const std::vector<Similarity>& volume_from_face, const mocap::Take& clean,
+                 int first, int last, double share, Random& random) {
   const int frames = take.frames(), markers = last - first;
   if (frames == 0 || markers <= 0) return;
   const double samples = static_cast<double>(frames) * markers;
@@ -72,7 +72,8 @@ void lose_bursts(mocap::Take& take, const std::vector<Similarity>& volume_from_f
   while (lost < wanted) {
     const int marker = first + random.below(markers), begin = random.below(frames);
     const int length = 3 + static_cast<int>(37 * std::pow(random.uniform(), 2.0));
-    const Eigen::Vector3d outward = volume_from_face[begin].rotation * (clean.at(begin, marker) + Eigen::Vector3d(0, 0, 40)).normalized();
+    const Eigen::Vector3d outward =
+        volume_from_face[begin].rotation * (clean.at(begin, marker) + Eigen::Vector3d(0, 0, 40)).normalized();
     if (random.uniform() < 0.85 * facing(outward)) continue;
     for (int f = begin; f < std::min(frames, begin + length) && lost < wanted; ++f) {
       if (!take.has(f, marker)) continue;
@@ -113,8 +114,9 @@ RecordedTake record(const FaceModel& actor, const MarkerLayout& layout, const Pe
     for (Eigen::Index m = 0; m < markers.rows(); ++m) {
       recorded.clean.set(f, static_cast<int>(m), markers.row(m));
       const double x = random.normal(), y = random.normal(), z = random.normal();
-      recorded.take.set(f, static_cast<int>(m),
-                        recorded.volume_from_face[f] * Eigen::Vector3d(markers.row(m)) + options.noise * Eigen::Vector3d(x, y, z));
+      recorded.take.set(
+          f, static_cast<int>(m),
+          recorded.volume_from_face[f] * Eigen::Vector3d(markers.row(m)) + options.noise * Eigen::Vector3d(x, y, z));
     }
   });
   Random random(options.seed, gap_stream);

@@ -12,9 +12,9 @@ namespace vultus::virtual_stage {
 
 struct VolumeOptions {
   std::uint64_t seed = 1;
-  double noise = 0.1;          ///< standard deviation of each coordinate, mm, ≥ 0
-  double missing = 0.02;       ///< fraction of the face markers' samples lost in bursts, 0 … 0.5
-  double head_motion = 1.0;    ///< 1: up to about 20° and 40 mm; 0: a head clamped in place
+  double noise = 0.1;        ///< standard deviation of each coordinate, mm, ≥ 0
+  double missing = 0.02;     ///< fraction of the face markers' samples lost in bursts, 0 … 0.5
+  double head_motion = 1.0;  ///< 1: up to about 20° and 40 mm; 0: a head clamped in place
 
   void validate() const;  ///< throws `UsageError` naming the option out of range
 };
@@ -26,9 +26,9 @@ struct RecordedTake {
   std::vector<Similarity> volume_from_face;  ///< the head's pose in each frame, rigid
 };
 
-/// Records a performance in a marker volume. Gaps come in bursts of 3 to 40 frames, more often where a marker faces away
-/// from the cameras in front, and make up the asked share exactly (to a burst); jig markers lose a tenth of that. The
-/// same arguments give the same bytes.
+/// Records a performance in a marker volume. Gaps come in bursts of 3 to 40 frames, more often where a marker faces
+/// away from the cameras in front, and make up the asked share exactly (to a burst); jig markers lose a tenth of that.
+/// The same arguments give the same bytes.
 RecordedTake record(const FaceModel& actor, const MarkerLayout& layout, const Performance& performance,
                     const VolumeOptions& options);
 

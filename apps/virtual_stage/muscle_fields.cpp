@@ -1,9 +1,8 @@
 #include "apps/virtual_stage/muscle_fields.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 #include "apps/virtual_stage/jaw.h"
 #include "apps/virtual_stage/pulls.h"
@@ -13,7 +12,8 @@ namespace {
 
 // +1 above the mouth, -1 below, smooth between beyond its corners.
 Eigen::VectorXd above_mouth(const FaceFeatures& face) {
-  const std::vector<bool> upper = face.members("upper_lip"), lower = face.members("lower_lip"), lips = face.members("lips");
+  const std::vector<bool> upper = face.members("upper_lip"), lower = face.members("lower_lip"),
+                          lips = face.members("lips");
   const double nose = face.at("9.15").y(), fold = face.at("labiomental").y();
   std::vector<std::pair<int, double>> given;
   for (int v = 0; v < face.topology.vertex_count(); ++v) {
@@ -41,6 +41,7 @@ class FieldMaker {
     for (const char* set : {"lips", "inner_mouth"})
       for (const int v : face.topology.set(set)) swelling_[v] = 0.0;
     soften(swelling_, face.topology, 20);
+    swelling_ = swelling_.unaryExpr([](double s) { return smooth_step(0.55, 1.0, s); });
     for (const char* set : {"eyeballs", "teeth"})
       for (const int v : face.topology.set(set)) soft_[v] = 0.0;
   }
@@ -61,9 +62,12 @@ class FieldMaker {
 
   double mask(Layer layer, int v) const {
     switch (layer) {
-      case Layer::above_mouth: return smooth_step(-0.15, 0.75, above_[v]);
-      case Layer::below_mouth: return smooth_step(-0.15, 0.75, -above_[v]);
-      case Layer::all: break;
+      case Layer::above_mouth:
+        return smooth_step(-0.15, 0.75, above_[v]);
+      case Layer::below_mouth:
+        return smooth_step(-0.15, 0.75, -above_[v]);
+      case Layer::all:
+        break;
     }
     return 1.0;
   }
@@ -107,7 +111,8 @@ class FieldMaker {
       d.x() = -action.narrow * (p.x() - centre_x);
       d.y() = s * inside * (action.open_upper * upper - action.open_lower * lower) -
               (action.thin_upper * upper + action.thin_lower * lower) * dy * near_line;
-      d.z() = s * (action.forward * (1.0 - 0.45 * t * t) - near_line * inside * (action.in_upper * upper + action.in_lower * lower));
+      d.z() = s * (action.forward * (1.0 - 0.45 * t * t) -
+                   near_line * inside * (action.in_upper * upper + action.in_lower * lower));
       moved.row(v) += (w * d).transpose();
     }
   }

@@ -7,10 +7,11 @@ namespace vultus::virtual_stage {
 const std::vector<std::string>& channel_names() {
   static const std::vector<std::string> names = [] {
     const char* muscles[muscle_count] = {
-        "frontalis_inner", "frontalis_outer",     "brow_lowerer", "corrugator", "lid_raiser",     "cheek_raiser",
-        "lid_tightener",   "lid_closer",          "nose_wrinkler", "nostril_flare", "upper_lip_raiser", "zygomaticus",
-        "dimpler",         "anguli_depressor",    "lower_lip_depressor", "chin_raiser", "risorius", "pucker",
-        "funnel",          "lip_press",           "upper_lip_roll", "lower_lip_roll", "lips_part", "cheek_puff"};
+        "frontalis_inner",  "frontalis_outer", "brow_lowerer", "corrugator",       "lid_raiser",
+        "cheek_raiser",     "lid_tightener",   "lid_closer",   "nose_wrinkler",    "nostril_flare",
+        "upper_lip_raiser", "zygomaticus",     "dimpler",      "anguli_depressor", "lower_lip_depressor",
+        "chin_raiser",      "risorius",        "pucker",       "funnel",           "lip_press",
+        "upper_lip_roll",   "lower_lip_roll",  "lips_part",    "cheek_puff"};
     std::vector<std::string> all;
     for (const char* muscle : muscles)
       for (const char* side : {"_left", "_right"}) all.push_back(std::string(muscle) + side);

@@ -1,38 +1,37 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace vultus::virtual_stage {
 
 /// Muscle-like actions of one side of the face, with the FACS action unit each resembles.
 enum class Muscle {
-  frontalis_inner,         ///< AU1
-  frontalis_outer,         ///< AU2
-  brow_lowerer,            ///< AU4, procerus and depressor supercilii
-  corrugator,              ///< AU4, brows together
-  lid_raiser,              ///< AU5
-  cheek_raiser,            ///< AU6, orbicularis oculi, orbital part
-  lid_tightener,           ///< AU7
-  lid_closer,              ///< AU43/45
-  nose_wrinkler,           ///< AU9
-  nostril_flare,           ///< AU38
-  upper_lip_raiser,        ///< AU10, levator labii
-  zygomaticus,             ///< AU12
-  dimpler,                 ///< AU14, buccinator
-  anguli_depressor,        ///< AU15
-  lower_lip_depressor,     ///< AU16, depressor labii
-  chin_raiser,             ///< AU17, mentalis
-  risorius,                ///< AU20
-  pucker,                  ///< AU18
-  funnel,                  ///< AU22
-  lip_press,               ///< AU24
-  upper_lip_roll,          ///< AU28, upper
-  lower_lip_roll,          ///< AU28, lower
-  lips_part,               ///< AU25 without the jaw
-  cheek_puff,              ///< AU34
+  frontalis_inner,      ///< AU1
+  frontalis_outer,      ///< AU2
+  brow_lowerer,         ///< AU4, procerus and depressor supercilii
+  corrugator,           ///< AU4, brows together
+  lid_raiser,           ///< AU5
+  cheek_raiser,         ///< AU6, orbicularis oculi, orbital part
+  lid_tightener,        ///< AU7
+  lid_closer,           ///< AU43/45
+  nose_wrinkler,        ///< AU9
+  nostril_flare,        ///< AU38
+  upper_lip_raiser,     ///< AU10, levator labii
+  zygomaticus,          ///< AU12
+  dimpler,              ///< AU14, buccinator
+  anguli_depressor,     ///< AU15
+  lower_lip_depressor,  ///< AU16, depressor labii
+  chin_raiser,          ///< AU17, mentalis
+  risorius,             ///< AU20
+  pucker,               ///< AU18
+  funnel,               ///< AU22
+  lip_press,            ///< AU24
+  upper_lip_roll,       ///< AU28, upper
+  lower_lip_roll,       ///< AU28, lower
+  lips_part,            ///< AU25 without the jaw
+  cheek_puff,           ///< AU34
   count
 };
 constexpr int muscle_count = static_cast<int>(Muscle::count);

@@ -65,13 +65,13 @@ Phrase speech() {
     double strength;
   };
   constexpr Phone phones[] = {
-      {0.35, 0.16, "viseme_AI", 0.7},   {0.52, 0.12, "lips_pressed", 0.6}, {0.66, 0.20, "viseme_O", 0.9},
-      {0.88, 0.14, "viseme_E", 0.8},    {1.04, 0.12, "viseme_FV", 0.9},    {1.20, 0.22, "viseme_AI", 0.9},
-      {1.50, 0.12, "lips_pressed", 0.7}, {1.64, 0.16, "viseme_E", 0.9},    {1.84, 0.20, "viseme_O", 0.8},
-      {2.10, 0.12, "viseme_FV", 0.8},   {2.24, 0.22, "viseme_AI", 1.0},    {2.90, 0.20, "viseme_E", 1.0},
-      {3.12, 0.14, "lips_pressed", 0.6}, {3.28, 0.24, "viseme_O", 1.0},    {3.58, 0.20, "viseme_AI", 0.8},
-      {3.84, 0.14, "viseme_FV", 0.9},   {4.00, 0.20, "viseme_E", 0.7},     {4.26, 0.22, "pucker", 0.7},
-      {4.56, 0.22, "viseme_AI", 0.9},   {5.40, 0.20, "viseme_AI", 0.6},    {5.62, 0.16, "viseme_E", 0.8},
+      {0.35, 0.16, "viseme_AI", 0.7},    {0.52, 0.12, "lips_pressed", 0.6}, {0.66, 0.20, "viseme_O", 0.9},
+      {0.88, 0.14, "viseme_E", 0.8},     {1.04, 0.12, "viseme_FV", 0.9},    {1.20, 0.22, "viseme_AI", 0.9},
+      {1.50, 0.12, "lips_pressed", 0.7}, {1.64, 0.16, "viseme_E", 0.9},     {1.84, 0.20, "viseme_O", 0.8},
+      {2.10, 0.12, "viseme_FV", 0.8},    {2.24, 0.22, "viseme_AI", 1.0},    {2.90, 0.20, "viseme_E", 1.0},
+      {3.12, 0.14, "lips_pressed", 0.6}, {3.28, 0.24, "viseme_O", 1.0},     {3.58, 0.20, "viseme_AI", 0.8},
+      {3.84, 0.14, "viseme_FV", 0.9},    {4.00, 0.20, "viseme_E", 0.7},     {4.26, 0.22, "pucker", 0.7},
+      {4.56, 0.22, "viseme_AI", 0.9},    {5.40, 0.20, "viseme_AI", 0.6},    {5.62, 0.16, "viseme_E", 0.8},
       {5.84, 0.14, "lips_pressed", 0.7}, {6.00, 0.26, "viseme_O", 0.9}};
   Phrase phrase;
   for (const Phone& p : phones)
@@ -193,7 +193,8 @@ TrainingSession training_session(const std::vector<std::string>& poses, double h
   session.performance = rendered("training", phrase, time, rate_hz);
   const double phase = random.uniform(0, 2 * std::numbers::pi);
   for (std::size_t f = 0; f < session.performance.frames.size(); ++f)
-    session.performance.frames[f] *= 1.0 + 0.015 * std::sin(2 * std::numbers::pi * 0.7 * static_cast<double>(f) / rate_hz + phase);
+    session.performance.frames[f] *=
+        1.0 + 0.015 * std::sin(2 * std::numbers::pi * 0.7 * static_cast<double>(f) / rate_hz + phase);
   return session;
 }
 

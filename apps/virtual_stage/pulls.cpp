@@ -46,9 +46,7 @@ void add_lower_mouth(Table& t) {
   t[int(Muscle::lower_lip_depressor)] = {{"8.7", {-7, 0, 0}, {28, 21, 36}, {1.2, -6.0, 0.4}, 0.3, Layer::below_mouth}};
   t[int(Muscle::chin_raiser)] = {{"2.10", {5, -2, 0}, {22, 17, 30}, {-0.4, 5.0, 1.0}, 1.8, Layer::below_mouth},
                                  {"8.7", {-6, 1, 0}, {22, 14, 30}, {0, 4.2, 1.8}, 0.0, Layer::below_mouth}};
-  t[int(Muscle::cheek_puff)] = {{"nasolabial_low_left", {8, 1, -4}, {37, 37, 46}, {1.0, 0, 0}, 8.0},
-                                {"8.5", {-2, 4, 0}, {28, 20, 30}, {0, 0, 1.4}, 1.4},
-                                {"8.7", {-2, -4, 0}, {28, 20, 30}, {0, 0, 1.4}, 1.2}};
+  t[int(Muscle::cheek_puff)] = {{"nasolabial_low_left", {8, 1, -4}, {37, 37, 46}, {1.0, 0, 0}, 8.0}};
 }
 
 }  // namespace
@@ -78,6 +76,9 @@ LipAction lip_action(Muscle muscle) {
       break;
     case Muscle::funnel:
       a.reach = 25, a.narrow = 0.24, a.forward = 6.0, a.open_upper = 4.2, a.open_lower = 5.2;
+      break;
+    case Muscle::cheek_puff:
+      a.reach = 24, a.forward = 2.2;
       break;
     case Muscle::lip_press:
       a.reach = 15, a.thin_upper = 0.45, a.thin_lower = 0.5, a.in_upper = 1.8, a.in_lower = 2.2, a.narrow = -0.03;

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "apps/virtual_stage/muscles.h"
 
@@ -16,7 +15,7 @@ enum class Layer { all, above_mouth, below_mouth };
 /// way at q of its reach. Given for the left side, in mm of a face whose outer eye corners are 90 mm apart.
 struct Pull {
   std::string landmark;
-  Eigen::Vector3d offset;        ///< of the ellipsoid's centre from the landmark; +x outward
+  Eigen::Vector3d offset;  ///< of the ellipsoid's centre from the landmark; +x outward
   Eigen::Vector3d reach;
   Eigen::Vector3d displacement;  ///< at the centre
   double bulge = 0.0;            ///< further, along the skin's normal
@@ -28,12 +27,12 @@ const std::vector<Pull>& pulls(Muscle muscle);
 
 /// What a muscle does to the lips as a ring; zeros for those that do nothing of the kind.
 struct LipAction {
-  double reach = 22.0;                       ///< mm around the line between the lips
-  double narrow = 0.0;                       ///< share of the distance to the middle taken away
-  double forward = 0.0;                      ///< mm
-  double open_upper = 0.0, open_lower = 0.0; ///< mm, at the middle
-  double thin_upper = 0.0, thin_lower = 0.0; ///< share of the distance to the line taken away
-  double in_upper = 0.0, in_lower = 0.0;     ///< mm backwards between the teeth
+  double reach = 22.0;                        ///< mm around the line between the lips
+  double narrow = 0.0;                        ///< share of the distance to the middle taken away
+  double forward = 0.0;                       ///< mm
+  double open_upper = 0.0, open_lower = 0.0;  ///< mm, at the middle
+  double thin_upper = 0.0, thin_lower = 0.0;  ///< share of the distance to the line taken away
+  double in_upper = 0.0, in_lower = 0.0;      ///< mm backwards between the teeth
   bool any() const;
 };
 LipAction lip_action(Muscle muscle);

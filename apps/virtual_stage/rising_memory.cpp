@@ -1,8 +1,8 @@
 #include "apps/virtual_stage/rising_memory.h"
 
-#include <new>
-
 #include <sys/mman.h>
+
+#include <new>
 
 namespace vultus::virtual_stage {
 namespace {
@@ -27,7 +27,8 @@ RisingMemory::~RisingMemory() {
 void* RisingMemory::take(std::size_t bytes, std::size_t alignment) {
   RisingMemory* memory = innermost;
   if (memory == nullptr) throw std::bad_alloc();
-  const std::size_t used = (static_cast<std::size_t>(memory->next_ - memory->begin_) + alignment - 1) / alignment * alignment;
+  const std::size_t used =
+      (static_cast<std::size_t>(memory->next_ - memory->begin_) + alignment - 1) / alignment * alignment;
   if (bytes > static_cast<std::size_t>(memory->end_ - memory->begin_) - used) throw std::bad_alloc();
   memory->next_ = memory->begin_ + used + bytes;
   return memory->begin_ + used;

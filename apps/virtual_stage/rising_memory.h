@@ -30,7 +30,9 @@ struct RisingAllocator {
   T* allocate(std::size_t count) { return static_cast<T*>(RisingMemory::take(count * sizeof(T), alignof(T))); }
   void deallocate(T*, std::size_t) {}
   template <class U>
-  bool operator==(const RisingAllocator<U>&) const { return true; }
+  bool operator==(const RisingAllocator<U>&) const {
+    return true;
+  }
 };
 
 }  // namespace vultus::virtual_stage

@@ -1,8 +1,7 @@
 #include "apps/virtual_stage/scan_clutter.h"
 
-#include <cmath>
-
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace vultus::virtual_stage {
 namespace {
@@ -122,11 +121,14 @@ void add_clutter(Scan& scan, const ScanSubject& subject, Random& random) {
   for (const double side : {-1.0, 1.0}) {
     const Eigen::Vector3d base(box.centre().x() + 0.55 * side * size.x(), box.min.y() - random.uniform(5, 20),
                                box.min.z() + 0.3 * size.z());
-    add_patch(pieces, base, Eigen::Vector3d(side, -0.25, 0.1).normalized(), Eigen::Vector3d(0.25 * side, 1, 0).normalized(),
-              random.uniform(25, 40), random.uniform(40, 80), cloth, random);
+    add_patch(pieces, base, Eigen::Vector3d(side, -0.25, 0.1).normalized(),
+              Eigen::Vector3d(0.25 * side, 1, 0).normalized(), random.uniform(25, 40), random.uniform(40, 80), cloth,
+              random);
   }
-  const Eigen::Vector3d stand(box.centre().x() + random.uniform(-40, 40), box.min.y(), box.min.z() - random.uniform(40, 90));
-  add_patch(pieces, stand, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 12, random.uniform(60, 160), metal, random);
+  const Eigen::Vector3d stand(box.centre().x() + random.uniform(-40, 40), box.min.y(),
+                              box.min.z() - random.uniform(40, 90));
+  add_patch(pieces, stand, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 12, random.uniform(60, 160), metal,
+            random);
   add_flying_points(pieces, box, random);
   append(scan, pieces);
 }

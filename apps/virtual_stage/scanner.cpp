@@ -1,12 +1,11 @@
 #include "apps/virtual_stage/scanner.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
-
-#include <Eigen/Geometry>
 
 #include "apps/virtual_stage/point_surface.h"
 #include "apps/virtual_stage/scan_clutter.h"
@@ -44,7 +43,8 @@ double spacing_for(const SensorRing& ring, const ScanOptions& options) {
   for (int trial = 0; trial < 2; ++trial) {
     const double found = static_cast<double>(ring.samples(spacing, options.seed).size());
     if (found < 16) throw InputError("scan subject: no sensor sees enough of it");
-    const double wanted = trial == 0 ? 0.02 * options.triangles + 400 : 0.5 * options.triangles / (1.0 - options.dropout);
+    const double wanted =
+        trial == 0 ? 0.02 * options.triangles + 400 : 0.5 * options.triangles / (1.0 - options.dropout);
     spacing *= std::sqrt(found / wanted);
   }
   return spacing;
@@ -120,7 +120,8 @@ void face_sensors(Triangles& triangles, const Points& points, const std::vector<
     for (int c = 1; c < 3; ++c) parent[root(parent, triangles(t, c))] = root(parent, triangles(t, 0));
   std::vector<double> outward(points.rows(), 0.0);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::Vector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)), c = points.row(triangles(t, 2));
+    const Eigen::Vector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)),
+                          c = points.row(triangles(t, 2));
     outward[root(parent, triangles(t, 0))] -= (b - a).cross(c - a).dot(samples[triangles(t, 0)].ray);
   }
   for (Eigen::Index t = 0; t < triangles.rows(); ++t)

@@ -1,28 +1,28 @@
 #include "apps/virtual_stage/sensor_ring.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 #include <optional>
-
-#include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
 
 #include "core/random.h"
 
 namespace vultus::virtual_stage {
 namespace {
 
-constexpr double distance_to_subject = 650.0;   // mm
-constexpr double half_field = 0.27;             // radians: a head with its neck and the way it may be turned
-constexpr double projector_angle = 0.21;        // between camera and projector as seen from the subject, radians
-constexpr double smallest_cosine = 0.26;        // 75°
+constexpr double distance_to_subject = 650.0;  // mm
+constexpr double half_field = 0.27;            // radians: a head with its neck and the way it may be turned
+constexpr double projector_angle = 0.21;       // between camera and projector as seen from the subject, radians
+constexpr double smallest_cosine = 0.26;       // 75°
 
 struct Direction {
   double azimuth, elevation;  // degrees; 0, 0 is in front
   double coarseness;
 };
-constexpr Direction directions[] = {{-22, 4, 1},   {24, 6, 1},    {-68, 8, 1},    {66, 5, 1},   {0, -38, 1},
-                                    {3, 52, 1.3},  {-118, 6, 1.6}, {121, 4, 1.6}, {-164, 12, 2}, {160, 48, 2}};
+constexpr Direction directions[] = {{-22, 4, 1},  {24, 6, 1},     {-68, 8, 1},   {66, 5, 1},    {0, -38, 1},
+                                    {3, 52, 1.3}, {-118, 6, 1.6}, {121, 4, 1.6}, {-164, 12, 2}, {160, 48, 2}};
 
 Eigen::Vector3d on_sphere(double azimuth, double elevation) {
   return {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
@@ -88,7 +88,8 @@ std::vector<RangeSample> SensorRing::row(int sensor_index, int row, int rows, do
     const std::optional<RayHit> hit = scene_.hit(sensor.camera, ray);
     if (!hit) continue;
     const auto corners = topology_.triangles().row(hit->place.triangle);
-    const Eigen::Vector3d a = positions_.row(corners[0]), b = positions_.row(corners[1]), c = positions_.row(corners[2]);
+    const Eigen::Vector3d a = positions_.row(corners[0]), b = positions_.row(corners[1]),
+                          c = positions_.row(corners[2]);
     const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
     const Eigen::Vector3d position = position_of(hit->place, topology_, positions_);
     if (sees_best(sensor_index, position, normal)) kept.push_back({hit->place, position, ray, sensor_index});

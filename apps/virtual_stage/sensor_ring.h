@@ -11,8 +11,8 @@ namespace vultus::virtual_stage {
 /// One sample of a range image.
 struct RangeSample {
   SurfacePoint place;
-  Eigen::Vector3d position;   ///< true, mm
-  Eigen::Vector3d ray;        ///< unit, from the sensor
+  Eigen::Vector3d position;  ///< true, mm
+  Eigen::Vector3d ray;       ///< unit, from the sensor
   int sensor = -1;
 };
 

@@ -1,11 +1,10 @@
 #include "apps/virtual_stage/smooth_field.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 
@@ -15,8 +14,8 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 
 struct Operator {
-  Sparse laplacian;       // positive semidefinite
-  Eigen::VectorXd area;   // of each vertex's share, mm²
+  Sparse laplacian;      // positive semidefinite
+  Eigen::VectorXd area;  // of each vertex's share, mm²
 };
 
 Operator cotangent_laplacian(const Topology& topology, const Points& positions) {
@@ -30,7 +29,8 @@ Operator cotangent_laplacian(const Topology& topology, const Points& positions) 
       const Eigen::Vector3d a = positions.row(i) - positions.row(apex), b = positions.row(j) - positions.row(apex);
       const double doubled = a.cross(b).norm();
       area[apex] += doubled / 6.0;
-      const double weight = std::clamp(0.5 * a.dot(b) / std::max(doubled, 1e-9), 0.02, 20.0);  // stays convex on slivers
+      const double weight =
+          std::clamp(0.5 * a.dot(b) / std::max(doubled, 1e-9), 0.02, 20.0);  // stays convex on slivers
       entries.insert(entries.end(), {{i, i, weight}, {j, j, weight}, {i, j, -weight}, {j, i, -weight}});
     }
   Operator op{Sparse(n, n), area};

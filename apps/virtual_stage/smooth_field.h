@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <utility>
 #include <vector>
-
-#include <Eigen/SparseCore>
 
 #include "core/mesh.h"
 

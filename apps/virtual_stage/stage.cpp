@@ -1,11 +1,11 @@
 #include "apps/virtual_stage/stage.h"
 
-#include <algorithm>
-#include <utility>
-
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "apps/virtual_stage/expressions.h"
 #include "apps/virtual_stage/mocap_volume.h"
@@ -95,9 +95,8 @@ json scan_session(const fs::path& folder, const registration::Template& head, co
   tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) {
     progress.check();
     // Isolated: a thread waiting inside one scan must not start another, or memory grows with the number of poses.
-    tbb::this_task_arena::isolate([&] {
-      truths[i] = scan_pose(folder, visible, actor, names[i], sub_seed(options.seed, 100 + i), options);
-    });
+    tbb::this_task_arena::isolate(
+        [&] { truths[i] = scan_pose(folder, visible, actor, names[i], sub_seed(options.seed, 100 + i), options); });
     progress.advance();
   });
   json poses = json::object(), truth = json::object();
@@ -117,7 +116,8 @@ void write_truth(const fs::path& folder, const Performance& performance, const R
   Array activations = Array::zeros({frames, static_cast<std::size_t>(channel_count)});
   Array poses = Array::zeros({frames, 3, 4});
   for (std::size_t f = 0; f < frames; ++f) {
-    for (int c = 0; c < channel_count; ++c) activations.values[f * channel_count + c] = static_cast<float>(performance.frames[f][c]);
+    for (int c = 0; c < channel_count; ++c)
+      activations.values[f * channel_count + c] = static_cast<float>(performance.frames[f][c]);
     const Similarity& pose = recorded.volume_from_face[f];
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 4; ++c)

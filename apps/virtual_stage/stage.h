@@ -10,20 +10,20 @@
 namespace vultus::virtual_stage {
 
 struct StageOptions {
-  std::uint64_t seed = 1;              ///< who the actors are, how they hold their heads, all noise
-  std::vector<std::string> poses;      ///< of `expression_database()`; empty: all 22. "neutral" is always scanned
-  int scan_triangles = 220'000;        ///< each, 1,000 … 10,000,000
-  double scan_noise = 0.07;            ///< mm along the ray, 0 … 5
-  bool clutter = true;                 ///< hair, shoulders, stand, flying points in the scans
-  bool landmarks = false;              ///< also write landmarks/<pose>.json, as a person would click the major ones
+  std::uint64_t seed = 1;                 ///< who the actors are, how they hold their heads, all noise
+  std::vector<std::string> poses;         ///< of `expression_database()`; empty: all 22. "neutral" is always scanned
+  int scan_triangles = 220'000;           ///< each, 1,000 … 10,000,000
+  double scan_noise = 0.07;               ///< mm along the ray, 0 … 5
+  bool clutter = true;                    ///< hair, shoulders, stand, flying points in the scans
+  bool landmarks = false;                 ///< also write landmarks/<pose>.json, as a person would click the major ones
   std::vector<std::string> performances;  ///< of `performance_names()`; empty: all
-  double performance_seconds = 8.0;    ///< each, 1 … 600
-  double hold_seconds = 1.0;           ///< of each pose in the training take, 0.2 … 10
-  double marker_noise = 0.1;           ///< mm, each coordinate, 0 … 10
-  double marker_missing = 0.02;        ///< share of the face markers' samples, 0 … 0.5
-  bool mocap = true;                   ///< false: scans only
+  double performance_seconds = 8.0;       ///< each, 1 … 600
+  double hold_seconds = 1.0;              ///< of each pose in the training take, 0.2 … 10
+  double marker_noise = 0.1;              ///< mm, each coordinate, 0 … 10
+  double marker_missing = 0.02;           ///< share of the face markers' samples, 0 … 0.5
+  bool mocap = true;                      ///< false: scans only
 
-  void validate() const;               ///< throws `UsageError` or, for an unknown pose or performance, `InputError`
+  void validate() const;  ///< throws `UsageError` or, for an unknown pose or performance, `InputError`
 };
 
 /// Makes in `folder` what a studio would bring (capture/, DESIGN §2) and the answer to it (truth/):
@@ -34,10 +34,9 @@ struct StageOptions {
 ///     capture/mocap/<take>.c3d             training and performances of another actor
 ///     capture/mocap/{training,markers}.json
 ///     truth/truth.json                     options, seeds, names of the activation channels, head pose of every scan
-///     truth/poses/<pose>.ply               true surface at the vertices of the template subdivided twice, face frame, mm
-///     truth/scans/<pose>.ply               the same in the scan's frame
-///     truth/albedo.exr                     of the scanned actor, on the template's UVs
-///     truth/mocap/poses/<pose>.ply         the mocap actor, as truth/poses
+///     truth/poses/<pose>.ply               true surface at the vertices of the template subdivided twice, face frame,
+///     mm truth/scans/<pose>.ply               the same in the scan's frame truth/albedo.exr                     of the
+///     scanned actor, on the template's UVs truth/mocap/poses/<pose>.ply         the mocap actor, as truth/poses
 ///     truth/mocap/<take>/clean.c3d         markers without head motion, noise or gaps, face frame
 ///     truth/mocap/<take>/activations.npy   frames × channels
 ///     truth/mocap/<take>/head_poses.npy    frames × 3 × 4, volume from face

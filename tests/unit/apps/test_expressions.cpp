@@ -1,8 +1,8 @@
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
-
-#include <gtest/gtest.h>
 
 #include "apps/virtual_stage/actor.h"
 #include "apps/virtual_stage/detail.h"
@@ -149,7 +149,8 @@ std::vector<double> openings(const FaceModel& face, const Points& posed) {
 }
 
 TEST(Lips, SealedPosesStaySealed) {
-  for (const char* name : {"brows_up", "eyes_closed", "smile_closed", "frown", "pucker", "lips_pressed", "cheeks_puffed"})
+  for (const char* name :
+       {"brows_up", "eyes_closed", "smile_closed", "frown", "pucker", "lips_pressed", "cheeks_puffed"})
     for (const FaceModel* face : {&symmetric_face(), &person()})
       for (const double gap : openings(*face, face->pose(expression(name).activations)))
         // 1.2 mm: less than the lips' own roundness hides in front of the contact line.
@@ -159,7 +160,47 @@ TEST(Lips, SealedPosesStaySealed) {
 TEST(Lips, NeverPassThroughEachOther) {
   for (const Expression& e : expression_database())
     for (const double strength : {0.5, 1.0})
-      for (const double gap : openings(person(), person().pose(strength * e.activations))) EXPECT_GT(gap, -0.6) << e.name;
+      for (const double gap : openings(person(), person().pose(strength * e.activations)))
+        EXPECT_GT(gap, -0.6) << e.name;
+}
+
+// Edges of the upper lip that pass through the lower.
+int crossings(const FaceModel& face, const Points& posed) {
+  const Topology& topology = *face.topology();
+  const auto members = [&](const char* set) {
+    std::vector<bool> in(topology.vertex_count(), false);
+    for (const int v : topology.set(set)) in[v] = true;
+    return in;
+  };
+  const std::vector<bool> upper = members("upper_lip"), lower = members("lower_lip");
+  const auto inside = [&](const std::vector<bool>& set, Eigen::Index t) {
+    const auto corners = topology.triangles().row(t);
+    return set[corners[0]] && set[corners[1]] && set[corners[2]];
+  };
+  std::vector<int> kept;
+  for (Eigen::Index t = 0; t < topology.triangles().rows(); ++t)
+    if (inside(lower, t)) kept.push_back(static_cast<int>(t));
+  Triangles lower_triangles(kept.size(), 3);
+  for (std::size_t t = 0; t < kept.size(); ++t) lower_triangles.row(t) = topology.triangles().row(kept[t]);
+  const auto lower_topology = Topology::from_triangles(topology.vertex_count(), lower_triangles);
+  const RayScene scene(*lower_topology, posed);
+  int count = 0;
+  for (Eigen::Index t = 0; t < topology.triangles().rows(); ++t)
+    for (int c = 0; c < 3 && inside(upper, t); ++c) {
+      const Eigen::Vector3d a = posed.row(topology.triangles()(t, c)),
+                            b = posed.row(topology.triangles()(t, (c + 1) % 3));
+      count += scene.occluded(a, b - a, 0.0, (b - a).norm());
+    }
+  return count;
+}
+
+TEST(Lips, DoNotIntersect) {
+  for (const Expression& e : expression_database())
+    EXPECT_EQ(crossings(person(), person().pose(e.activations)), 0) << e.name;
+  // The test itself sees lips that do.
+  Points crossed = person().neutral();
+  for (const int v : person().topology()->set("lower_lip")) crossed(v, 1) += 4.0;
+  EXPECT_GT(crossings(person(), crossed), 50);
 }
 
 TEST(Lips, PartWhenTheJawOpens) {
@@ -192,7 +233,8 @@ TEST(Detail, FoldsComeWithTheirMuscle) {
     a[channel(Muscle::frontalis_inner, Side::left)] = strength;
     return (folded.pose(a) - smooth.pose(a)).eval();
   };
-  const double none = depth(0.0, Side::right).rowwise().norm().maxCoeff(), half = depth(0.5, Side::right).rowwise().norm().maxCoeff(),
+  const double none = depth(0.0, Side::right).rowwise().norm().maxCoeff(),
+               half = depth(0.5, Side::right).rowwise().norm().maxCoeff(),
                full = depth(1.0, Side::right).rowwise().norm().maxCoeff();
   EXPECT_LT(none, 0.4);  // what an adult face shows at rest
   EXPECT_GT(half, none);
@@ -215,7 +257,8 @@ TEST(Detail, PoresStayWithTheSkin) {
   const DetailedFace smooth(person(), options);
   const Points& rest = person().neutral();
   const Activations smile = expression("smile_closed").activations;
-  const Points at_rest_relief = pored.pose(at_rest()) - smooth.pose(at_rest()), in_smile = pored.pose(smile) - smooth.pose(smile);
+  const Points at_rest_relief = pored.pose(at_rest()) - smooth.pose(at_rest()),
+               in_smile = pored.pose(smile) - smooth.pose(smile);
   for (Eigen::Index v = 0; v < rest.rows(); ++v)
     EXPECT_NEAR(at_rest_relief.row(v).norm(), in_smile.row(v).norm(), 1e-9);
   const double height = at_rest_relief.rowwise().norm().maxCoeff();

@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
-
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "apps/virtual_stage/actor.h"
 #include "apps/virtual_stage/expressions.h"
@@ -154,7 +154,8 @@ TEST(Training, ShowsEveryPoseInOrder) {
     const Activations target = expression(names[i]).activations;
     for (const int f : {hold.first, hold.last})
       // Effort within 8 %, lean within 4 %, sway 1.5 %.
-      EXPECT_LT((session.performance.frames[f] - target).cwiseAbs().maxCoeff(), 0.14 * target.cwiseAbs().maxCoeff() + 1e-9);
+      EXPECT_LT((session.performance.frames[f] - target).cwiseAbs().maxCoeff(),
+                0.14 * target.cwiseAbs().maxCoeff() + 1e-9);
   }
   EXPECT_EQ(session.performance.frames.front().cwiseAbs().maxCoeff(), 0.0);
 }
@@ -165,7 +166,8 @@ TEST(Performances, AreAsymmetricAndSmooth) {
     ASSERT_EQ(p.frames.size(), 960u);
     double lean = 0, jump = 0;
     for (std::size_t f = 0; f < p.frames.size(); ++f) {
-      for (int m = 0; m < muscle_count; ++m) lean = std::max(lean, std::abs(p.frames[f][2 * m] - p.frames[f][2 * m + 1]));
+      for (int m = 0; m < muscle_count; ++m)
+        lean = std::max(lean, std::abs(p.frames[f][2 * m] - p.frames[f][2 * m + 1]));
       if (f > 0) jump = std::max(jump, (p.frames[f] - p.frames[f - 1]).cwiseAbs().maxCoeff());
     }
     EXPECT_GT(lean, 0.6) << name;

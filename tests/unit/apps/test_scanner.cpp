@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "apps/virtual_stage/scanner.h"
 #include "core/error.h"
@@ -25,7 +25,8 @@ ScanSubject ball() {
   for (int r = 0; r <= rows; ++r)
     for (int c = 0; c < columns; ++c) {
       const double polar = M_PI * (r + 0.001) / (rows + 0.002), turn = 2 * M_PI * c / columns;
-      positions.row(r * columns + c) = radius * Eigen::RowVector3d(std::sin(polar) * std::sin(turn), std::cos(polar), std::sin(polar) * std::cos(turn));
+      positions.row(r * columns + c) = radius * Eigen::RowVector3d(std::sin(polar) * std::sin(turn), std::cos(polar),
+                                                                   std::sin(polar) * std::cos(turn));
       if (r == rows) continue;
       const int a = r * columns + c, b = r * columns + (c + 1) % columns;
       triangles.row(t++) = Eigen::RowVector3i(a, a + columns, b + columns);
@@ -49,9 +50,10 @@ ScanOptions quick() {
 Eigen::VectorXd errors(const Scan& scan, const ScanSubject& subject) {
   Eigen::VectorXd distance(scan.truth.size());
   for (std::size_t v = 0; v < scan.truth.size(); ++v)
-    distance[v] = (scan.scan_from_face * position_of(scan.truth[v], *subject.surface.topology, subject.surface.positions) -
-                   Eigen::Vector3d(scan.mesh.positions.row(v)))
-                      .norm();
+    distance[v] =
+        (scan.scan_from_face * position_of(scan.truth[v], *subject.surface.topology, subject.surface.positions) -
+         Eigen::Vector3d(scan.mesh.positions.row(v)))
+            .norm();
   return distance;
 }
 
@@ -176,7 +178,9 @@ TEST(Scanner, RefusesNonsense) {
   EXPECT_THROW(scan_subject(subject, with([](ScanOptions& o) { o.triangles = 10; })), UsageError);
   EXPECT_THROW(scan_subject(subject, with([](ScanOptions& o) { o.noise = -1; })), UsageError);
   EXPECT_THROW(scan_subject(subject, with([](ScanOptions& o) { o.dropout = 0.9; })), UsageError);
-  EXPECT_THROW(scan_subject(subject, with([](ScanOptions& o) { o.max_rotation = std::numeric_limits<double>::quiet_NaN(); })), UsageError);
+  EXPECT_THROW(
+      scan_subject(subject, with([](ScanOptions& o) { o.max_rotation = std::numeric_limits<double>::quiet_NaN(); })),
+      UsageError);
   ScanSubject far = ball();
   far.surface.positions.col(0).array() += 5000;
   EXPECT_THROW(scan_subject(far, ScanOptions{}), InputError);

@@ -1,9 +1,9 @@
-#include <filesystem>
-#include <unistd.h>
-#include <string>
-
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "apps/virtual_stage/expressions.h"
 #include "apps/virtual_stage/stage.h"
@@ -79,7 +79,8 @@ TEST_F(Stage, TruthIsTheScansTruth) {
                in_scan = read_mesh(folder_ / "truth" / "scans" / (std::string(name) + ".ply")),
                scan = read_mesh(folder_ / "capture" / "scans" / (std::string(name) + ".ply"));
     const Similarity pose = pose_of(truth["scans"][name]["scan_from_face"]);
-    EXPECT_LT((transformed(pose, in_face.positions) - in_scan.positions).rowwise().norm().maxCoeff(), 1e-3);  // float files
+    EXPECT_LT((transformed(pose, in_face.positions) - in_scan.positions).rowwise().norm().maxCoeff(),
+              1e-3);  // float files
     // Every tenth scan vertex lies on the true surface, within noise, hair's noise and what 1.5 mm facets leave out.
     const RayScene surface(*in_scan.topology, in_scan.positions);
     int near = 0, all = 0;
