@@ -4,6 +4,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -74,11 +75,14 @@ Points fit_smoothly(const Topology& topology, const Points& displacements, const
 }
 
 std::vector<bool> fitted_vertices(const Topology& topology) {
+  constexpr std::array<const char*, 11> inner = {"eyeball",  "eye_socket",  "eye_blend",    "eye_occlusion",
+                                                 "eyelashes", "lacrimal",   "inner_mouth",  "mouth_cavity",
+                                                 "teeth",     "gums",       "tongue"};
   std::vector<bool> fitted(topology.vertex_count(), true);
-  for (const char* name :
-       {"eyeball_left", "eyeball_right", "eye_sockets", "inner_mouth", "mouth_cavity", "teeth", "tongue"})
-    if (topology.has_set(name))
-      for (int v : topology.set(name)) fitted[v] = false;
+  for (const auto& [name, vertices] : topology.sets()) {
+    if (std::none_of(inner.begin(), inner.end(), [&](const char* prefix) { return name.starts_with(prefix); })) continue;
+    for (const int v : vertices) fitted[v] = false;
+  }
   return fitted;
 }
 

@@ -17,8 +17,8 @@ Points fill_smoothly(const Topology& topology, const Points& positions, const Po
 Points fit_smoothly(const Topology& topology, const Points& displacements, const Eigen::VectorXd& weights,
                     double stiffness);
 
-/// False for vertices that are not fitted to the scan: the sets eyeball_left/right, eye_sockets, inner_mouth,
-/// mouth_cavity, teeth and tongue, where the template has them.
+/// False for vertices that are not fitted to the scan: the sets whose names begin with eyeball, eye_socket, eye_blend,
+/// eye_occlusion, eyelashes, lacrimal, inner_mouth, mouth_cavity, teeth, gums or tongue.
 std::vector<bool> fitted_vertices(const Topology& topology);
 
 /// The fitted vertices that a scanner could see: at least `least_open` of the half-space above them, weighted by the

@@ -181,3 +181,13 @@ TEST(Fill, PiecesWithoutDataMoveAsOneBody) {
 
 }  // namespace
 }  // namespace vultus::registration
+
+TEST(FittedVertices, leaves_out_what_lies_inside_by_the_names_of_sets) {
+  vultus::TopologyData data;
+  data.vertex_count = 7;
+  data.face_offsets = {0, 3};
+  data.corner_vertex = {0, 1, 2};
+  data.sets = {{"face", {0, 1}}, {"eye_socket_left", {2}}, {"gums_tongue", {3}}, {"eyeballs", {4}}, {"eyelashes_right", {5}}};
+  const std::vector<bool> expected = {true, true, false, false, false, false, true};
+  EXPECT_EQ(vultus::registration::fitted_vertices(*vultus::Topology::make(data)), expected);
+}
