@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "register/detect_landmarks.h"
+#include "register/landmarks.h"
+
+namespace vultus::registration {
+
+class FaceFinder;
+
+/// What is known of one scan before any fitting.
+struct Prepared {
+  Mesh scan;                           ///< mm
+  double scale = 1.0;                  ///< scan in mm from the scan as given
+  ScanLandmarks landmarks;             ///< scan frame, mm
+  bool coloured = false;               ///< the finder saw colour
+  bool automatic = false;              ///< landmarks were found rather than placed
+  std::vector<std::string> decisions;  ///< in words
+};
+
+/// Finds the landmarks of scans and of the template as the same finder sees it. Const methods may run at once.
+class Preparation {
+ public:
+  /// `finder` is loaded on first need when null. `head` and `shape` (the template's refined surface) must outlive this.
+  Preparation(const Template& head, Mesh shape, std::shared_ptr<const FaceFinder> finder);
+
+  /// Landmarks given, found, or both, and the unit as the eyes tell it.
+  /// Throws `InputError` when no face is found, `ToolError` without the model.
+  Prepared operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given) const;
+  /// What the finder makes of the template's bare shape; null when it sees no face there.
+  const ScanLandmarks* template_sighting() const;
+
+ private:
+  const FaceFinder& finder() const;
+
+  const Template& head_;
+  Mesh shape_;
+  mutable std::once_flag finder_once_, sighting_once_;
+  mutable std::shared_ptr<const FaceFinder> finder_;
+  mutable std::optional<DetectedLandmarks> sighting_;
+};
+
+}  // namespace vultus::registration
