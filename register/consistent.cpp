@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "register/method.h"
+#include "register/sanchez.h"
 #include "register/standard.h"
 #include "register/zhu.h"
 
@@ -20,6 +21,24 @@ Mesh shape_of(const RefinedTemplate& model) {
   shape.topology = model.loop.refined();
   shape.positions = model.neutral;
   return shape;
+}
+
+Fit fit_neutral(const FitInput& input, Progress& progress) {
+  switch (input.options.method) {
+    case Method::zhu: return fit_zhu(input, input.model.neutral);
+    case Method::sanchez: return fit_sanchez_neutral(input, progress);
+    case Method::standard: break;
+  }
+  return fit_standard_neutral(input, progress);
+}
+
+Fit fit_expression(const FitInput& input, const Registered& neutral, Progress& progress) {
+  switch (input.options.method) {
+    case Method::zhu: return fit_zhu(input, neutral.mesh.positions);
+    case Method::sanchez: return fit_sanchez_expression(input, neutral, progress);
+    case Method::standard: break;
+  }
+  return fit_standard_expression(input, neutral, progress);
 }
 
 }  // namespace
@@ -78,9 +97,7 @@ Registered Registration::neutral(const Mesh& clean_scan, const std::optional<Sca
   progress.check();
   const ScanSurface scan(prepared.scan);
   const FitInput input{my.model, my.preparation, prepared, scan, my.options};
-  const bool zhu = my.options.method == Method::zhu;
-  return my.finish(input, zhu ? fit_zhu(input, my.model.neutral) : fit_standard_neutral(input, progress),
-                   my.model.neutral);
+  return my.finish(input, fit_neutral(input, progress), my.model.neutral);
 }
 
 Registered Registration::expression(const Registered& neutral, const Mesh& clean_scan,
@@ -92,10 +109,7 @@ Registered Registration::expression(const Registered& neutral, const Mesh& clean
   progress.check();
   const ScanSurface scan(prepared.scan);
   const FitInput input{my.model, my.preparation, prepared, scan, my.options};
-  const bool zhu = my.options.method == Method::zhu;
-  return my.finish(input,
-                   zhu ? fit_zhu(input, neutral.mesh.positions) : fit_standard_expression(input, neutral, progress),
-                   neutral.mesh.positions);
+  return my.finish(input, fit_expression(input, neutral, progress), neutral.mesh.positions);
 }
 
 Registered register_neutral(const Template& head, const Mesh& clean_scan, const std::optional<ScanLandmarks>& landmarks,

@@ -5,16 +5,24 @@
 
 namespace vultus::registration {
 
-std::vector<std::string> method_names() { return {"default", "zhu"}; }
+std::vector<std::string> method_names() { return {"default", "zhu", "sanchez"}; }
 
 Method method_named(const std::string& name) {
   if (name == "default") return Method::standard;
   if (name == "zhu") return Method::zhu;
+  if (name == "sanchez") return Method::sanchez;
   throw UsageError("unknown registration method \"" + name + "\"; did you mean \"" +
                    nearest_name(name, method_names()) + "\"?");
 }
 
-std::string name_of(Method method) { return method == Method::zhu ? "zhu" : "default"; }
+std::string name_of(Method method) {
+  switch (method) {
+    case Method::zhu: return "zhu";
+    case Method::sanchez: return "sanchez";
+    case Method::standard: break;
+  }
+  return "default";
+}
 
 void RegisterOptions::validate() const {
   if (!(displacement_limit > 0.0)) throw InputError("registration: the displacement limit must be positive");

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "register/method.h"
+
+namespace vultus::registration {
+
+/// Where a person's registered neutral stands in the scan of another pose.
+struct ExpressionStart {
+  Similarity scan_from_face;  ///< rigid
+  Points rest;                ///< the neutral there: refined topology, scan frame, mm
+  Anchors anchors;            ///< those that skin can have moved to
+  std::vector<std::string> decisions;
+};
+
+/// Finds the head's rigid motion from landmarks of nose and eyes, then from the skin that expressions leave alone.
+/// Anchors are vertices of the neutral moved as their sightings moved from scan to scan, so that what the finder gets
+/// wrong alike on both does no harm. Throws `InputError` when fewer than 6 landmarks can be trusted.
+ExpressionStart start_expression(const FitInput& input, const Registered& neutral);
+
+}  // namespace vultus::registration
