@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/error.h"
+
 namespace vultus::registration {
 namespace {
 
@@ -45,7 +47,16 @@ ScanSurface::ScanSurface(const Mesh& scan, std::vector<bool> invented)
       rays_(*scan.topology, scan.positions),
       normals_(calmed_normals(scan)),
       border_(border_vertices(*scan.topology)),
-      invented_(std::move(invented)) {}
+      invented_(std::move(invented)) {
+  if (invented_.empty()) return;
+  const Triangles& triangles = scan.topology->triangles();
+  if (invented_.size() != static_cast<std::size_t>(triangles.rows()))
+    throw InputError("scan surface: one flag for each triangle is needed");
+  invented_vertex_.assign(scan.topology->vertex_count(), true);
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (!invented_[t]) invented_vertex_[triangles(t, k)] = false;
+}
 
 bool ScanSurface::on_border(const SurfacePoint& place) const {
   const auto corners = scan_->topology->triangles().row(place.triangle);

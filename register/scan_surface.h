@@ -37,6 +37,9 @@ class ScanSurface {
   bool on_border(const SurfacePoint& place) const;
   bool is_data(const SurfacePoint& place) const { return invented_.empty() || !invented_[place.triangle]; }
   Eigen::Vector3d normal_at(const SurfacePoint& place) const;
+  Eigen::RowVector3d vertex_normal(int vertex) const { return normals_.row(vertex); }  ///< unit, of the scan
+  /// True for a vertex that belongs to invented triangles only.
+  bool is_invented(int vertex) const { return !invented_vertex_.empty() && invented_vertex_[vertex]; }
 
  private:
   const Mesh* scan_;
@@ -44,6 +47,7 @@ class ScanSurface {
   Points normals_;              // per vertex, smoothed over the scanner's noise
   std::vector<bool> border_;    // per vertex
   std::vector<bool> invented_;  // per triangle, or empty
+  std::vector<bool> invented_vertex_;
 };
 
 }  // namespace vultus::registration
