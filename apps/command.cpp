@@ -143,7 +143,8 @@ CLI::App& CommandTable::add(const std::string& words, const std::string& summary
     const std::string group = words.substr(0, space);
     const auto known = subcommand_names(*parent);
     const bool is_new = std::find(known.begin(), known.end(), group) == known.end();
-    parent = is_new ? parent->add_subcommand(group, "The " + group + " stage alone")->require_subcommand(1)
+    const std::string group_summary = group == "bench" ? "Figures measured against truth" : "The " + group + " stage alone";
+    parent = is_new ? parent->add_subcommand(group, group_summary)->require_subcommand(1)
                     : parent->get_subcommand(group);
   }
   auto command = std::make_unique<Command>();

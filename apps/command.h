@@ -31,13 +31,16 @@ class Run {
   void input(const std::filesystem::path& file);  ///< its hash goes into the report
   nlohmann::json& numbers() { return numbers_; }  ///< what was measured, for the report
   const nlohmann::json& numbers() const { return numbers_; }
+  nlohmann::json& report() { return report_; }  ///< members of the report's top level, beside the shared ones
+  const nlohmann::json& report() const { return report_; }
   const nlohmann::json& inputs() const { return inputs_; }
 
  private:
   Console& console_;
   std::uint64_t seed_;
   bool force_;
-  nlohmann::json numbers_ = nlohmann::json::object(), inputs_ = nlohmann::json::object();
+  nlohmann::json numbers_ = nlohmann::json::object(), inputs_ = nlohmann::json::object(),
+                 report_ = nlohmann::json::object();
 };
 
 using Action = std::function<ExitCode(Run&)>;

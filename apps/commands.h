@@ -16,5 +16,6 @@ void add_scan_clean(CommandTable& table);
 void add_register(CommandTable& table);
 void add_rig_databank(CommandTable& table);
 void add_mocap_clean(CommandTable& table);
+void add_bench_registration(CommandTable& table);
 
 }  // namespace vultus::apps

@@ -42,18 +42,20 @@ nlohmann::json report_json(const Outcome& outcome, const Run& run, const Console
   for (const Console::Timing& timing : console.timings()) {
     timings.push_back({{"stage", timing.stage}, {"seconds", timing.seconds}});
   }
-  return {{"command", outcome.command},
-          {"version", version()},
-          {"options", outcome.options},
-          {"inputs", run.inputs()},
-          {"timings", timings},
-          {"seconds", outcome.seconds},
-          {"peak_memory_bytes", peak_memory_bytes()},
-          {"numbers", run.numbers()},
-          {"notes", console.notes()},
-          {"warnings", console.warnings()},
-          {"exit_code", outcome.exit_code},
-          {"error", outcome.error}};
+  nlohmann::json report = run.report();
+  report.update({{"command", outcome.command},
+                 {"version", version()},
+                 {"options", outcome.options},
+                 {"inputs", run.inputs()},
+                 {"timings", timings},
+                 {"seconds", outcome.seconds},
+                 {"peak_memory_bytes", peak_memory_bytes()},
+                 {"numbers", run.numbers()},
+                 {"notes", console.notes()},
+                 {"warnings", console.warnings()},
+                 {"exit_code", outcome.exit_code},
+                 {"error", outcome.error}});
+  return report;
 }
 
 }  // namespace vultus::apps

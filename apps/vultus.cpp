@@ -14,5 +14,6 @@ int main(int argc, char** argv) {
   add_register(table);
   add_rig_databank(table);
   add_mocap_clean(table);
+  add_bench_registration(table);
   return table.run(argc, argv);
 }

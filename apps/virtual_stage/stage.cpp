@@ -65,22 +65,24 @@ void write_clicked_landmarks(const fs::path& file, const registration::Template&
   write_json(file, {{"points", points}});
 }
 
+// Of one pose's scan: the same whichever other poses are scanned too.
+std::uint64_t pose_seed(const StageOptions& options, const std::string& pose) {
+  const std::vector<Expression>& all = expression_database();
+  const auto found = std::ranges::find(all, pose, &Expression::name);
+  return sub_seed(options.seed, 100 + static_cast<std::uint64_t>(found - all.begin()));
+}
+
 json scan_pose(const fs::path& folder, const VisibleActor& visible, const VirtualActor& actor, const std::string& name,
-               std::uint64_t seed, const StageOptions& options) {
-  const ScanSubject subject = visible.subject(expression(name).activations);
-  ScanOptions scan_options;
-  scan_options.seed = seed;
-  scan_options.triangles = options.scan_triangles;
-  scan_options.noise = options.scan_noise;
-  scan_options.clutter = options.clutter;
-  const Scan scan = scan_subject(subject, scan_options);
+               const StageOptions& options) {
+  const auto [subject, scan] = stage_scan(visible, name, options);
   write_ply(folder / "capture" / "scans" / (name + ".ply"), scan.mesh);
   Mesh truth = registered(actor.face(), subject.surface.positions);
   write_ply(folder / "truth" / "poses" / (name + ".ply"), truth);
   truth.positions = transformed(scan.scan_from_face, truth.positions);
   write_ply(folder / "truth" / "scans" / (name + ".ply"), truth);
   if (options.landmarks)
-    write_clicked_landmarks(folder / "capture" / "landmarks" / (name + ".json"), actor.head(), truth.positions, seed);
+    write_clicked_landmarks(folder / "capture" / "landmarks" / (name + ".json"), actor.head(), truth.positions,
+                            pose_seed(options, name));
   return {{"scan_from_face", matrix_json(scan.scan_from_face)}};
 }
 
@@ -88,15 +90,14 @@ json scan_session(const fs::path& folder, const registration::Template& head, co
                   Progress& progress) {
   const std::vector<std::string> names = pose_list(options);
   progress.begin("scans", names.size());
-  const VirtualActor actor(head, sub_seed(options.seed, 1));
+  const VirtualActor actor = scanned_actor(head, options);
   const VisibleActor visible(actor);
   write_image(folder / "truth" / "albedo.exr", visible.albedo());
   std::vector<json> truths(names.size());
   tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) {
     progress.check();
     // Isolated: a thread waiting inside one scan must not start another, or memory grows with the number of poses.
-    tbb::this_task_arena::isolate(
-        [&] { truths[i] = scan_pose(folder, visible, actor, names[i], sub_seed(options.seed, 100 + i), options); });
+    tbb::this_task_arena::isolate([&] { truths[i] = scan_pose(folder, visible, actor, names[i], options); });
     progress.advance();
   });
   json poses = json::object(), truth = json::object();
@@ -182,6 +183,22 @@ void StageOptions::validate() const {
   check(hold_seconds >= 0.2 && hold_seconds <= 10, "hold_seconds", "0.2 … 10");
   for (const std::string& pose : poses) expression(pose);
   for (const std::string& name : performances) perform(name, 1.0, 30.0, 0);
+}
+
+VirtualActor scanned_actor(const registration::Template& head, const StageOptions& options) {
+  return VirtualActor(head, sub_seed(options.seed, 1));
+}
+
+StagedScan stage_scan(const VisibleActor& visible, const std::string& pose, const StageOptions& options) {
+  StagedScan staged;
+  staged.subject = visible.subject(expression(pose).activations);
+  ScanOptions scan_options;
+  scan_options.seed = pose_seed(options, pose);
+  scan_options.triangles = options.scan_triangles;
+  scan_options.noise = options.scan_noise;
+  scan_options.clutter = options.clutter;
+  staged.scan = scan_subject(staged.subject, scan_options);
+  return staged;
 }
 
 void simulate(const fs::path& folder, const StageOptions& options, Progress& progress) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/virtual_stage/virtual_actor.h"
 #include "core/progress.h"
 
 namespace vultus::virtual_stage {
@@ -43,5 +44,17 @@ struct StageOptions {
 ///
 /// A folder simulated twice with the same options holds the same bytes. Throws `OutputError`.
 void simulate(const std::filesystem::path& folder, const StageOptions& options, Progress& progress);
+
+/// The actor whom `simulate` puts before the scanner.
+VirtualActor scanned_actor(const registration::Template& head, const StageOptions& options);
+
+/// One pose before the scanner and what came of it.
+struct StagedScan {
+  ScanSubject subject;  ///< the true surface, face frame; its first vertices are the face model's
+  Scan scan;
+};
+/// The scan that `simulate` writes as capture/scans/<pose>.ply, whichever other poses it was asked for. Throws
+/// `InputError` for an unknown pose.
+StagedScan stage_scan(const VisibleActor& visible, const std::string& pose, const StageOptions& options);
 
 }  // namespace vultus::virtual_stage

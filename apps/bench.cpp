@@ -1,0 +1,53 @@
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+
+#include "apps/bench_registration/bench_report.h"
+#include "apps/commands.h"
+#include "register/register_options.h"
+
+namespace vultus::apps {
+namespace {
+
+bench::BenchOptions prepared(bench::BenchOptions options, std::uint64_t seed) {
+  options.set.seed = seed;
+  if (const char* data = std::getenv("VULTUS_DATA"); options.set.data.empty() && data) options.set.data = data;
+  options.validate();
+  return options;
+}
+
+ExitCode bench_registration(const bench::BenchOptions& given, Run& run) {
+  const bench::BenchOptions options = prepared(given, run.seed());
+  const std::vector<bench::SetResult> results =
+      bench::run_bench(options, run.progress(), [&](const bench::CaseRow& row) {
+        run.print(bench::row_line(row));
+        std::cout.flush();
+      });
+  for (const bench::SetResult& result : results)
+    if (!result.missing.empty()) run.warn("set " + result.name + " left out: " + result.missing);
+  for (const std::string& line : bench::table_lines(results)) run.print(line);
+  run.report()["sets"] = bench::sets_json(results);
+  run.numbers()["cases"] = bench::cases_json(results);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_bench_registration(CommandTable& table) {
+  auto options = std::make_shared<bench::BenchOptions>();
+  CLI::App& app = table.add("bench registration", "How far registered scans are from the truth, method beside method",
+                            "vultus bench registration --set ict --method default --people 1 --pose jawOpen\n"
+                            "  vultus bench registration --json figures.json",
+                            {.seed = true}, [options](Run& run) { return bench_registration(*options, run); });
+  app.add_option("--set", options->sets, "virtual, ict, meshmonk or real; may be given again")->capture_default_str();
+  app.add_option("--method", options->methods, "default, zhu, …; may be given again (default: all)");
+  app.add_option("--people", options->set.people, "At most so many of each set (0: all)")->check(CLI::Range(0, 1000));
+  app.add_option("--pose", options->poses, "May be given again (default: all); the neutral always comes");
+  app.add_option("--triangles", options->set.triangles, "Of a test scan (0: the set's own density)")
+      ->check(CLI::Range(0, 10'000'000));
+  app.add_option("--data", options->set.data, "Unpacked real data (default: $VULTUS_DATA)")->type_name("FOLDER");
+  app.add_option("--pictures", options->pictures, "Heat maps of the distance to the true vertex go here")
+      ->type_name("FOLDER");
+}
+
+}  // namespace vultus::apps

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/bench_registration/registration_bench.h"
+
+namespace vultus::apps::bench {
+
+/// One line of text a case, and the table of all sets and methods at the end.
+std::string row_line(const CaseRow& row);
+std::vector<std::string> table_lines(const std::vector<SetResult>& results);
+
+/// {SET: {METHOD: {scan_mean_mm, scan_p95_mm, vertex_median_mm, vertex_p95_mm, seconds_per_scan, …}}}: every set and
+/// method is there, null where it was not run or does not apply. Pooled as `Pool` says; `scan_mean_mm` and
+/// `scan_p95_mm` are distances of the clean surface to the mesh where the truth is known, else of the scan itself to
+/// the mesh (mean and median over the scans of what the registration reports for the face).
+nlohmann::json sets_json(const std::vector<SetResult>& results);
+/// Everything measured on each case.
+nlohmann::json cases_json(const std::vector<SetResult>& results);
+
+}  // namespace vultus::apps::bench
