@@ -3,6 +3,7 @@
 #include <dlib/image_processing.h>
 #include <dlib/image_processing/frontal_face_detector.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/error.h"
@@ -43,7 +44,7 @@ FaceFinder::FaceFinder(const fs::path& model) {
 
 FaceFinder::~FaceFinder() = default;
 
-std::optional<FoundFace> FaceFinder::find(const GreyImage& picture, double least_score) const {
+std::vector<FoundFace> FaceFinder::find_all(const GreyImage& picture, double least_score, int most) const {
   dlib::array2d<unsigned char> image(picture.height, picture.width);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)
@@ -51,15 +52,22 @@ std::optional<FoundFace> FaceFinder::find(const GreyImage& picture, double least
   dlib::frontal_face_detector detector = impl_->detector;  // detecting changes the detector's scratch memory
   std::vector<dlib::rect_detection> faces;
   detector(image, faces, least_score);
-  if (faces.empty()) return {};
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < faces.size(); ++i)
-    if (faces[i].detection_confidence > faces[best].detection_confidence) best = i;
-  const dlib::full_object_detection shape = impl_->predictor(image, faces[best].rect);
-  FoundFace found;
-  found.score = faces[best].detection_confidence;
-  for (int i = 0; i < 68; ++i) found.points[i] = {shape.part(i).x() + 0.5, shape.part(i).y() + 0.5};
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const auto& a, const auto& b) { return a.detection_confidence > b.detection_confidence; });
+  if (static_cast<int>(faces.size()) > most) faces.resize(most);
+  std::vector<FoundFace> found;
+  for (const dlib::rect_detection& face : faces) {
+    const dlib::full_object_detection shape = impl_->predictor(image, face.rect);
+    found.push_back({face.detection_confidence, {}});
+    for (int i = 0; i < 68; ++i) found.back().points[i] = {shape.part(i).x() + 0.5, shape.part(i).y() + 0.5};
+  }
   return found;
+}
+
+std::optional<FoundFace> FaceFinder::find(const GreyImage& picture, double least_score) const {
+  const std::vector<FoundFace> faces = find_all(picture, least_score, 1);
+  if (faces.empty()) return {};
+  return faces.front();
 }
 
 }  // namespace vultus::registration

@@ -34,6 +34,8 @@ class FaceFinder {
 
   /// The best face scoring above `least_score`; needs some 80 pixels across. May run from many threads.
   std::optional<FoundFace> find(const GreyImage& picture, double least_score = 0.0) const;
+  /// At most `most` faces, best first.
+  std::vector<FoundFace> find_all(const GreyImage& picture, double least_score, int most) const;
 
  private:
   struct Impl;

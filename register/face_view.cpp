@@ -1,0 +1,102 @@
+#include "register/face_view.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vultus::registration {
+namespace {
+
+Camera camera_for(const Shot& shot, int pixels) {
+  const double field = 0.35;  // radians: near enough to parallel that features do not hide one another
+  const double distance = shot.target.radius / std::tan(0.5 * field);
+  const Eigen::Vector3d eye = shot.target.centre + distance * shot.frame.col(2);
+  return Camera::look_at(eye, shot.target.centre, shot.frame.col(1), field, pixels, pixels);
+}
+
+// Between open lips a ray goes on into the mouth: inner lip points that lie deep behind the outer lips are none.
+void drop_mouth_cavity(FaceView& view, const Camera& camera) {
+  std::vector<double> depths;
+  for (int i = 48; i < 60; ++i)
+    if (view.points[i]) depths.push_back(camera.project(*view.points[i]).z());
+  if (depths.empty()) return;
+  const double farthest = *std::max_element(depths.begin(), depths.end());
+  const double span = farthest - *std::min_element(depths.begin(), depths.end());
+  for (int i = 60; i < 68; ++i)
+    if (view.points[i] && camera.project(*view.points[i]).z() > farthest + 0.3 * span) view.points[i].reset();
+}
+
+FaceView cast_back(const ScanPictures& pictures, const FoundFace& face, const Camera& camera) {
+  FaceView view{face, {}, {}};
+  const Eigen::Vector3d eye = camera.centre();
+  for (int i = 0; i < 68; ++i) {
+    const Eigen::Vector3d direction = camera.direction(face.points[i].x(), face.points[i].y());
+    const auto hit = pictures.rays().hit(eye, direction);
+    if (!hit) continue;
+    const double facing = -pictures.normal(hit->place).dot(direction.normalized());
+    if (facing < 0.15) continue;
+    view.points[i] = eye + hit->distance * direction.normalized();
+    view.facing[i] = facing;
+  }
+  drop_mouth_cavity(view, camera);
+  return view;
+}
+
+std::optional<Eigen::Vector3d> mean_of(const FaceView& view, std::initializer_list<int> points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (int i : points)
+    if (view.points[i]) {
+      sum += *view.points[i];
+      ++count;
+    }
+  if (2 * count < static_cast<int>(points.size())) return {};
+  return Eigen::Vector3d(sum / count);
+}
+
+}  // namespace
+
+const Eigen::Vector3d light_from_above(0.0, -0.6, -1.0);
+const Eigen::Vector3d light_from_front(0.25, -0.25, -1.0);
+
+FaceFrame turned(const FaceFrame& frame, double yaw, double pitch, double roll) {
+  const auto degrees = [](double d) { return d * M_PI / 180.0; };
+  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(degrees(yaw), Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(degrees(pitch), Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(degrees(roll), Eigen::Vector3d::UnitZ()))
+                                   .toRotationMatrix();
+  return frame * turn;
+}
+
+std::vector<std::vector<FaceView>> look(const ScanPictures& pictures, const FaceFinder& finder,
+                                        const std::vector<Shot>& shots, int pixels, double least_score, int most) {
+  std::vector<std::vector<FaceView>> views(shots.size());
+  tbb::parallel_for(std::size_t{0}, shots.size(), [&](std::size_t i) {
+    const Camera camera = camera_for(shots[i], pixels);
+    for (const FoundFace& face : finder.find_all(pictures.shade(camera, shots[i].light), least_score, most))
+      views[i].push_back(cast_back(pictures, face, camera));
+  });
+  return views;
+}
+
+// The line from mouth to eyes leans back from the face's upright axis by about the angle below, so that the frame
+// agrees with heads that look straight along z.
+std::optional<FacePlace> place_of(const FaceView& view) {
+  const auto right = mean_of(view, {36, 37, 38, 39, 40, 41}), left = mean_of(view, {42, 43, 44, 45, 46, 47});
+  const auto mouth = mean_of(view, {48, 54, 51, 57});
+  if (!right || !left || !mouth) return {};
+  const Eigen::Vector3d eyes = 0.5 * (*right + *left);
+  FacePlace place;
+  const Eigen::Vector3d x = (*left - *right).normalized();
+  Eigen::Vector3d up = eyes - *mouth;
+  up = (up - x * x.dot(up)).normalized();
+  place.frame << x, up, x.cross(up);
+  place.frame = turned(place.frame, 0.0, 8.0, 0.0);
+  place.eye_distance = (*left - *right).norm();
+  place.target = {0.6 * eyes + 0.4 * *mouth, 2.1 * place.eye_distance};
+  return place;
+}
+
+}  // namespace vultus::registration
