@@ -48,6 +48,8 @@ void add_bench_registration(CommandTable& table) {
   app.add_option("--data", options->set.data, "Unpacked real data (default: $VULTUS_DATA)")->type_name("FOLDER");
   app.add_option("--pictures", options->pictures, "Heat maps of the distance to the true vertex go here")
       ->type_name("FOLDER");
+  app.add_option("--scans", options->scans, "The test scans and their true vertices go here, as PLY")
+      ->type_name("FOLDER");
 }
 
 }  // namespace vultus::apps

@@ -7,6 +7,7 @@
 #include "apps/bench_registration/heat_map.h"
 #include "apps/command.h"
 #include "core/error.h"
+#include "core/mesh_io.h"
 #include "register/consistent.h"
 #include "register/face_finder.h"
 #include "scan/clean.h"
@@ -19,6 +20,11 @@ using registration::Registration;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string file_name(std::string words) {
+  std::ranges::replace(words, ' ', '_');
+  return words;
 }
 
 /// One method on one set: what it knows between the scans of a person.
@@ -57,6 +63,7 @@ class SetRun {
   void scan(int person, const std::string& name, const std::string& pose) {
     progress_.check();
     const ScanCase scanned = set_.make(person, pose);
+    if (!options_.scans.empty()) keep(scanned, name, pose);
     CaseRow row;
     row.set = set_.name();
     row.person = name;
@@ -77,6 +84,14 @@ class SetRun {
       rows_.push_back(std::move(result));
       progress_.advance();
     }
+  }
+
+  void keep(const ScanCase& scanned, const std::string& person, const std::string& pose) const {
+    const std::string name = file_name(set_.name() + "_" + person + "_" + pose);
+    write_ply(options_.scans / (name + ".ply"), scanned.scan);
+    if (!scanned.truth) return;
+    const auto& topology = contenders_.front().registration->refined();
+    write_ply(options_.scans / (name + "_truth.ply"), {topology, scanned.truth->vertices, {}, {}});
   }
 
   void attempt(Contender& contender, const ScanCase& scanned, const scan::CleanScan& cleaned, CaseRow& row) {
@@ -111,9 +126,8 @@ class SetRun {
       const Points positions = in_scan_frame(found, cleaned.report.units.mm_per_unit);
       distance = (positions - scanned.truth->vertices).rowwise().norm().cast<float>();
     }
-    std::string name = row.set + "_" + row.method + "_" + row.person + "_" + row.pose + ".png";
-    std::ranges::replace(name, ' ', '_');
-    write_heat_map(options_.pictures / name, shown, distance, set_.measured());
+    const std::string name = file_name(row.set + "_" + row.method + "_" + row.person + "_" + row.pose);
+    write_heat_map(options_.pictures / (name + ".png"), shown, distance, set_.measured());
   }
 
   const CaseSet& set_;

@@ -21,6 +21,7 @@ struct BenchOptions {
   std::vector<std::string> poses;    ///< empty: all; the neutral always comes
   SetOptions set;
   std::filesystem::path pictures;  ///< folder of heat maps, or empty
+  std::filesystem::path scans;     ///< folder that gets the scans and the true vertices as PLY, or empty
   void validate() const;           ///< throws `UsageError` for unknown sets and methods
 };
 
