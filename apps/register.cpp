@@ -33,7 +33,7 @@ ExitCode register_scan(const Arguments& arguments, Run& run) {
   if (!arguments.landmarks.empty()) {
     landmarks = registration::read_landmarks(arguments.landmarks, cleaned.report.units.mm_per_unit);
   }
-  const registration::Registered registered = registration.neutral(cleaned.mesh, landmarks, run.progress());
+  const registration::Registered registered = registration.neutral(cleaned, landmarks, run.progress());
   run.numbers() = pose_report({"neutral", {}, arguments.scan, arguments.landmarks}, registered, cleaned.report.lines());
   for (const auto& line : run.numbers().at("decisions")) run.progress().note(line.get<std::string>());
   run.progress().note(summary_line(run.numbers()));

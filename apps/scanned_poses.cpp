@@ -49,9 +49,8 @@ class Background final : public Progress {
 
 // A scan ready for registration.
 struct Prepared {
-  Mesh mesh;
+  scan::CleanScan scan;
   std::optional<registration::ScanLandmarks> landmarks;
-  std::vector<std::string> cleaning;
 };
 
 struct Attempt {
@@ -73,21 +72,21 @@ class Scans {
       : capture_(capture), registration_(registration), background_(progress) {}
 
   Attempt neutral(const CapturedPose& pose) {
-    Prepared scan = prepared(pose);
+    Prepared prepared = prepare(pose);
     Attempt attempt;
-    attempt.registered = registration_.neutral(scan.mesh, scan.landmarks, background_);
-    attempt.albedo = albedo_of(*attempt.registered, scan.mesh);
-    attempt.cleaning = std::move(scan.cleaning);
-    attempt.scan = std::move(scan.mesh);
+    attempt.registered = registration_.neutral(prepared.scan, prepared.landmarks, background_);
+    attempt.albedo = albedo_of(*attempt.registered, prepared.scan.mesh);
+    attempt.cleaning = prepared.scan.report.lines();
+    attempt.scan = std::move(prepared.scan.mesh);
     return attempt;
   }
 
   Attempt expression(const Registered& neutral, const CapturedPose& pose) {
     Attempt attempt;
     try {
-      Prepared scan = prepared(pose);
-      attempt.registered = registration_.expression(neutral, scan.mesh, scan.landmarks, background_);
-      attempt.cleaning = std::move(scan.cleaning);
+      const Prepared prepared = prepare(pose);
+      attempt.registered = registration_.expression(neutral, prepared.scan, prepared.landmarks, background_);
+      attempt.cleaning = prepared.scan.report.lines();
     } catch (const InputError& error) {
       attempt.problem = error.what();
     }
@@ -95,13 +94,12 @@ class Scans {
   }
 
  private:
-  Prepared prepared(const CapturedPose& pose) {
+  Prepared prepare(const CapturedPose& pose) {
     scan::CleanOptions options;
     options.mm_per_unit = capture_.mm_per_unit;
-    scan::CleanScan cleaned = clean_scan_file(pose.scan, options, background_, capture_.upright);
-    Prepared result{std::move(cleaned.mesh), {}, cleaned.report.lines()};
+    Prepared result{clean_scan_file(pose.scan, options, background_, capture_.upright), {}};
     if (!pose.landmarks.empty()) {
-      result.landmarks = registration::read_landmarks(pose.landmarks, cleaned.report.units.mm_per_unit);
+      result.landmarks = registration::read_landmarks(pose.landmarks, result.scan.report.units.mm_per_unit);
       for (auto& landmark : *result.landmarks) landmark.position = capture_.upright * landmark.position;
     }
     return result;

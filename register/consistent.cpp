@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "register/method.h"
 #include "register/sanchez.h"
+#include "register/scan_facts.h"
 #include "register/standard.h"
 #include "register/zhu.h"
 
@@ -25,21 +26,34 @@ Mesh shape_of(const RefinedTemplate& model) {
 
 Fit fit_neutral(const FitInput& input, Progress& progress) {
   switch (input.options.method) {
-    case Method::zhu: return fit_zhu(input, input.model.neutral);
-    case Method::sanchez: return fit_sanchez_neutral(input, progress);
-    case Method::standard: break;
+    case Method::zhu:
+      return fit_zhu(input, input.model.neutral);
+    case Method::sanchez:
+      return fit_sanchez_neutral(input, progress);
+    case Method::standard:
+      break;
   }
   return fit_standard_neutral(input, progress);
 }
 
 Fit fit_expression(const FitInput& input, const Registered& neutral, Progress& progress) {
   switch (input.options.method) {
-    case Method::zhu: return fit_zhu(input, neutral.mesh.positions);
-    case Method::sanchez: return fit_sanchez_expression(input, neutral, progress);
-    case Method::standard: break;
+    case Method::zhu:
+      return fit_zhu(input, neutral.mesh.positions);
+    case Method::sanchez:
+      return fit_sanchez_expression(input, neutral, progress);
+    case Method::standard:
+      break;
   }
   return fit_standard_expression(input, neutral, progress);
 }
+
+// A scan as it comes from outside.
+struct GivenScan {
+  const Mesh& mesh;
+  std::vector<bool> invented;  // per triangle, or empty
+  ScanFacts facts;
+};
 
 }  // namespace
 
@@ -53,11 +67,14 @@ struct Registration::Impl {
         model((options.validate(), std::move(given))),
         preparation(model.head, shape_of(model), options.finder) {}
 
-  Registered finish(const FitInput& input, Fit fit, const Points& reference) const;
+  Registered neutral(const GivenScan& given, const std::optional<ScanLandmarks>& landmarks, Progress& progress) const;
+  Registered expression(const Registered& neutral, const GivenScan& given,
+                        const std::optional<ScanLandmarks>& landmarks, Progress& progress) const;
+  Registered finish(const FitInput& input, Fit fit, const Points& reference, ScanFacts facts) const;
 };
 
 // The fit told in the face frame, with what a person needs to trust it.
-Registered Registration::Impl::finish(const FitInput& input, Fit fit, const Points& reference) const {
+Registered Registration::Impl::finish(const FitInput& input, Fit fit, const Points& reference, ScanFacts facts) const {
   Registered result;
   result.mesh.topology = model.loop.refined();
   result.mesh.positions = transformed(fit.face_from_scan, fit.positions);
@@ -77,8 +94,9 @@ Registered Registration::Impl::finish(const FitInput& input, Fit fit, const Poin
   result.coloured = input.prepared.coloured;
   result.decisions = input.prepared.decisions;
   result.decisions.insert(result.decisions.end(), fit.decisions.begin(), fit.decisions.end());
+  add_facts(input, fit, facts);
   result.quality = judge(model.head, model.topology(), model.fitted, reference, fit.positions, input.scan, residuals,
-                         options.limits);
+                         options.limits, facts);
   return result;
 }
 
@@ -90,26 +108,44 @@ const Template& Registration::head() const { return impl_->model.head; }
 const std::shared_ptr<const Topology>& Registration::refined() const { return impl_->model.loop.refined(); }
 const Points& Registration::refined_neutral() const { return impl_->model.neutral; }
 
+Registered Registration::Impl::neutral(const GivenScan& given, const std::optional<ScanLandmarks>& landmarks,
+                                       Progress& progress) const {
+  const Prepared prepared = preparation(given.mesh, landmarks);
+  progress.check();
+  const ScanSurface scan(prepared.scan, given.invented);
+  const FitInput input{model, preparation, prepared, scan, options};
+  return finish(input, fit_neutral(input, progress), model.neutral, given.facts);
+}
+
+Registered Registration::Impl::expression(const Registered& neutral, const GivenScan& given,
+                                          const std::optional<ScanLandmarks>& landmarks, Progress& progress) const {
+  if (neutral.mesh.positions.rows() != model.topology().vertex_count())
+    throw InputError("the registered neutral has another topology than the template");
+  const Prepared prepared = preparation(given.mesh, landmarks);
+  progress.check();
+  const ScanSurface scan(prepared.scan, given.invented);
+  const FitInput input{model, preparation, prepared, scan, options};
+  return finish(input, fit_expression(input, neutral, progress), neutral.mesh.positions, given.facts);
+}
+
 Registered Registration::neutral(const Mesh& clean_scan, const std::optional<ScanLandmarks>& landmarks,
                                  Progress& progress) const {
-  const Impl& my = *impl_;
-  const Prepared prepared = my.preparation(clean_scan, landmarks);
-  progress.check();
-  const ScanSurface scan(prepared.scan);
-  const FitInput input{my.model, my.preparation, prepared, scan, my.options};
-  return my.finish(input, fit_neutral(input, progress), my.model.neutral);
+  return impl_->neutral({clean_scan, {}, {}}, landmarks, progress);
+}
+
+Registered Registration::neutral(const scan::CleanScan& scan, const std::optional<ScanLandmarks>& landmarks,
+                                 Progress& progress) const {
+  return impl_->neutral({scan.mesh, scan.invented, facts_of(scan.report)}, landmarks, progress);
 }
 
 Registered Registration::expression(const Registered& neutral, const Mesh& clean_scan,
                                     const std::optional<ScanLandmarks>& landmarks, Progress& progress) const {
-  const Impl& my = *impl_;
-  if (neutral.mesh.positions.rows() != my.model.topology().vertex_count())
-    throw InputError("the registered neutral has another topology than the template");
-  const Prepared prepared = my.preparation(clean_scan, landmarks);
-  progress.check();
-  const ScanSurface scan(prepared.scan);
-  const FitInput input{my.model, my.preparation, prepared, scan, my.options};
-  return my.finish(input, fit_expression(input, neutral, progress), neutral.mesh.positions);
+  return impl_->expression(neutral, {clean_scan, {}, {}}, landmarks, progress);
+}
+
+Registered Registration::expression(const Registered& neutral, const scan::CleanScan& scan,
+                                    const std::optional<ScanLandmarks>& landmarks, Progress& progress) const {
+  return impl_->expression(neutral, {scan.mesh, scan.invented, facts_of(scan.report)}, landmarks, progress);
 }
 
 Registered register_neutral(const Template& head, const Mesh& clean_scan, const std::optional<ScanLandmarks>& landmarks,

@@ -8,6 +8,7 @@
 #include "register/register_options.h"
 #include "register/registered.h"
 #include "register/template.h"
+#include "scan/clean.h"
 
 namespace vultus::registration {
 
@@ -28,6 +29,13 @@ class Registration {
                      Progress& progress = Progress::none()) const;
   /// Another pose of the same person, from the registered neutral.
   Registered expression(const Registered& neutral, const Mesh& clean_scan,
+                        const std::optional<ScanLandmarks>& landmarks = {},
+                        Progress& progress = Progress::none()) const;
+  /// The same for what cleaning made (mm): triangles that it invented never count as data, and what it had to repair
+  /// is a reason for a warning in the verdict.
+  Registered neutral(const scan::CleanScan& scan, const std::optional<ScanLandmarks>& landmarks = {},
+                     Progress& progress = Progress::none()) const;
+  Registered expression(const Registered& neutral, const scan::CleanScan& scan,
                         const std::optional<ScanLandmarks>& landmarks = {},
                         Progress& progress = Progress::none()) const;
 

@@ -42,7 +42,8 @@ const ScanLandmarks* Preparation::template_sighting() const {
 }
 
 Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given) const {
-  Prepared prepared{scan, 1.0, {}, false, false, {}};
+  Prepared prepared;
+  prepared.scan = scan;
   if (given && given->size() >= enough_given) {
     prepared.landmarks = *given;
     // Landmarks found earlier keep their confidence below one and the finder's bias.

@@ -21,6 +21,8 @@ struct Prepared {
   bool coloured = false;               ///< the finder saw colour
   bool automatic = false;              ///< landmarks were found rather than placed
   std::vector<std::string> decisions;  ///< in words
+  int other_faces = 0;                 ///< seen in the scan beside the one that was taken
+  std::vector<std::string> doubts;     ///< about the landmarks, in words: reasons for a warning
 };
 
 /// Finds the landmarks of scans and of the template as the same finder sees it. Const methods may run at once.

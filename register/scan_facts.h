@@ -3,7 +3,14 @@
 #include <string>
 #include <vector>
 
+namespace vultus::scan {
+struct CleanReport;
+}
+
 namespace vultus::registration {
+
+struct Fit;
+struct FitInput;
 
 /// What was found out about a scan and its landmarks before and beside the fit, and that bears on how far the result
 /// can be trusted. What cleaning repaired is told here too: a repair may be wrong, and a person should know of it.
@@ -18,5 +25,11 @@ struct ScanFacts {
   double landmark_misfit = -1.0;  ///< mm, median distance to the template's, brought there by a similarity; -1 likewise
   std::vector<std::string> doubts;  ///< whatever else is a reason for a warning, in words
 };
+
+/// What cleaning tells.
+ScanFacts facts_of(const scan::CleanReport& report);
+
+/// Adds what preparation and fit tell: landmarks, the head's pose, the unit as the eyes see it.
+void add_facts(const FitInput& input, const Fit& fit, ScanFacts& facts);
 
 }  // namespace vultus::registration

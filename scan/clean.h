@@ -5,17 +5,9 @@
 
 #include "core/mesh.h"
 #include "core/progress.h"
+#include "scan/units.h"
 
 namespace vultus::scan {
-
-/// The unit of a head's or face's coordinates, from the size of its box: 12 cm (a cropped face) to 1.2 m (a bust) when
-/// read in millimetres, centimetres or metres. `certain` is false when no unit gives a head; mm_per_unit is then 1.
-struct Units {
-  std::string name = "mm";
-  double mm_per_unit = 1.0;
-  bool certain = true;
-};
-Units guess_units(const Points& positions);
 
 struct CleanOptions {
   double mm_per_unit = 0.0;           ///< 0: guess from the size
@@ -35,6 +27,8 @@ struct CleanReport {
   int non_manifold_splits = 0;  ///< vertices doubled so that every edge has at most two sides
   int stray_components = 0, stray_triangles = 0;
   int spike_vertices = 0;
+  bool turned_inside_out = false;  ///< triangles looked inwards and were turned round
+  int other_heads = 0;             ///< further pieces as large as a head: kept, though at most one is wanted
   int unused_vertices = 0;
   int open_boundaries = 0;  ///< holes and borders left open
   int holes_filled = 0, invented_triangles = 0;

@@ -23,6 +23,41 @@ void keep_triangles(Soup& soup, const std::vector<bool>& keep);
 /// Removes vertices that no triangle uses; returns how many.
 int drop_unused(Soup& soup);
 
+/// Along the triangle's normal, as long as its area.
+Eigen::RowVector3d area_vector(const Soup& soup, int triangle);
+
+int drop_non_finite(Soup& soup);       ///< triangles at such vertices go; returns the vertices
+int merge_equal_vertices(Soup& soup);  ///< triangles then share the first of several at one place; returns the others
+int drop_degenerate(Soup& soup);       ///< triangles without area
+int drop_repeated_triangles(Soup& soup);  ///< over the same three vertices, whichever way round
+
+/// Connected pieces (through shared vertices), numbered by first triangle.
+struct Pieces {
+  std::vector<int> of_triangle;
+  std::vector<double> area;  ///< a piece, mm²
+};
+Pieces pieces_of(const Soup& soup);
+
+/// Removes pieces smaller than `smallest` of the largest one's area.
+struct StrayPieces {
+  int pieces = 0, triangles = 0;
+};
+StrayPieces drop_stray_pieces(Soup& soup, double smallest);
+
+/// Pieces with at least `share` of the largest one's area whose box measures `least_diagonal` mm or more.
+int count_large_pieces(const Soup& soup, double share, double least_diagonal);
+
+/// Turns every triangle round when the largest piece looks at its own centre rather than away from it, as heads, faces
+/// and any convex shell do. The soup must be oriented. Returns whether it did.
+bool turn_outwards(Soup& soup);
+
+/// Takes off vertices that stand out of their surroundings like needles, up to `passes` times (a group of spikes shows
+/// its lower ones when the highest are gone); returns how many.
+int drop_spikes(Soup& soup, double factor, int passes);
+
+/// Open borders; ones that touch count as one.
+int count_boundaries(const Soup& soup);
+
 /// Makes every edge have at most two triangles with opposite directions and every vertex one fan, by turning triangles
 /// around and doubling vertices (CGAL). Returns the number of doubled vertices. Surfaces that are so already are
 /// returned as they are.
