@@ -38,7 +38,8 @@ struct Pools {
   Pool surface, vertex, open_jaw, scan;
   std::vector<float> scan_p95, landmarks, seconds;
   double worst_median = NAN;
-  int cases = 0, failed = 0, flipped = 0;
+  double peak_bytes = 0.0;
+  int cases = 0, failed = 0, flipped = 0, turned = 0, openings = 0, right_openings = 0;
   int verdicts[3] = {0, 0, 0};
 };
 
@@ -56,6 +57,12 @@ Pools pooled(const std::vector<CaseRow>& rows, const std::string& method) {
     pools.seconds.push_back(static_cast<float>(row.seconds()));
     pools.landmarks.push_back(static_cast<float>(row.quality.landmark_mean));
     pools.flipped += row.quality.flipped_triangles;
+    pools.turned += row.turned_triangles;
+    pools.peak_bytes = std::max(pools.peak_bytes, row.peak_bytes);
+    for (const Opening& opening : row.openings) {
+      ++pools.openings;
+      pools.right_openings += opening.right();
+    }
     ++pools.verdicts[static_cast<int>(row.quality.verdict)];
     const auto& face = face_quality(row.quality);
     pools.scan.add({static_cast<float>(face.scan_to_mesh_mean)});
@@ -87,6 +94,9 @@ json method_json(const std::vector<CaseRow>& rows, const std::string& method) {
   result["cases"] = pools.cases;
   result["failed"] = pools.failed;
   result["flipped_triangles"] = pools.flipped;
+  result["turned_triangles"] = truth ? json(pools.turned) : json();
+  result["openings_right"] = pools.openings > 0 ? json(double(pools.right_openings) / pools.openings) : json();
+  result["peak_memory_bytes"] = pools.peak_bytes;
   result["verdicts"] = {{"pass", pools.verdicts[0]}, {"warn", pools.verdicts[1]}, {"fail", pools.verdicts[2]}};
   return result;
 }
@@ -105,6 +115,9 @@ std::string row_line(const CaseRow& row) {
   line += fmt::format("  scan {:.3f}  landmarks {:.2f}  {:5.1f} s  flips {}  {}", face.scan_to_mesh_mean,
                       row.quality.landmark_mean, row.seconds(), row.quality.flipped_triangles,
                       registration::verdict_name(row.quality.verdict));
+  for (const Opening& opening : row.openings)
+    if (!opening.right())
+      line += fmt::format("; {} {:.1f} mm open instead of {:.1f}", opening.name, opening.found, opening.truly);
   for (const std::string& reason : row.quality.reasons) line += "; " + reason;
   return line;
 }
@@ -157,6 +170,11 @@ json cases_json(const std::vector<SetResult>& results) {
       entry["coverage"] = face.coverage;
       entry["landmark_residual_mm"] = row.quality.landmark_mean;
       entry["flipped_triangles"] = row.quality.flipped_triangles;
+      if (row.distances) entry["turned_triangles"] = row.turned_triangles;
+      entry["peak_memory_bytes"] = row.peak_bytes;
+      for (const Opening& opening : row.openings)
+        entry["openings"][opening.name] = {
+            {"truly_mm", opening.truly}, {"found_mm", opening.found}, {"right", opening.right()}};
       entry["stretched_triangles"] = row.quality.stretched_triangles;
       entry["verdict"] = registration::verdict_name(row.quality.verdict);
       entry["reasons"] = row.quality.reasons;
@@ -166,6 +184,7 @@ json cases_json(const std::vector<SetResult>& results) {
         entry["vertex_median_mm"] = number(quantile(row.distances->vertex, 0.5));
         entry["vertex_p95_mm"] = number(quantile(row.distances->vertex, 0.95));
       }
+      if (row.leak) entry["truth_covered"] = row.leak->covered;
       if (row.leak)
         entry["leak"] = {{"to_vertices_mm", number(row.leak->to_vertices)},
                          {"by_chance_mm", number(row.leak->by_chance)},

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/bench_registration/statistics.h"
@@ -41,12 +42,12 @@ Points places_beside(const Truth& truth, const Topology& refined, const std::vec
   return places;
 }
 
-double median_distance(const PointTree& tree, const Points& places) {
+std::vector<float> nearest_distances(const PointTree& tree, const Points& places) {
   std::vector<float> distances(static_cast<std::size_t>(places.rows()));
   tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
     distances[i] = static_cast<float>(tree.nearest(places.row(static_cast<Eigen::Index>(i)), 1).front().distance);
   });
-  return quantile(std::move(distances), 0.5);
+  return distances;
 }
 
 }  // namespace
@@ -56,8 +57,10 @@ Leak leak(const Truth& truth, const Topology& refined, const std::vector<bool>& 
   std::vector<int> vertices;
   for (std::size_t v = 0; v < measured.size(); ++v)
     if (measured[v]) vertices.push_back(static_cast<int>(v));
-  return {median_distance(tree, truth.vertices(vertices, Eigen::all)),
-          median_distance(tree, places_beside(truth, refined, measured))};
+  const std::vector<float> to_vertices = nearest_distances(tree, truth.vertices(vertices, Eigen::all));
+  const auto near = std::ranges::count_if(to_vertices, [](float distance) { return distance < 1.5F; });
+  return {quantile(to_vertices, 0.5), quantile(nearest_distances(tree, places_beside(truth, refined, measured)), 0.5),
+          static_cast<double>(near) / static_cast<double>(to_vertices.size())};
 }
 
 }  // namespace vultus::apps::bench

@@ -9,6 +9,7 @@ namespace vultus::apps::bench {
 /// the vertex's own triangles, which is what chance gives at the same density. A ratio well below one is a leak.
 struct Leak {
   double to_vertices = 0.0, by_chance = 0.0;
+  double covered = 0.0;  ///< share of the measured vertices that have a vertex of the scan within 1.5 mm
   double ratio() const { return to_vertices / by_chance; }
 };
 Leak leak(const Truth& truth, const Topology& refined, const std::vector<bool>& measured, const Points& scan);

@@ -5,6 +5,8 @@
 #include <map>
 
 #include "apps/bench_registration/heat_map.h"
+#include "apps/bench_registration/peak_memory.h"
+#include "apps/bench_registration/turned_triangles.h"
 #include "apps/command.h"
 #include "core/error.h"
 #include "core/mesh_io.h"
@@ -73,6 +75,7 @@ class SetRun {
       const Registration& any = *contenders_.front().registration;
       row.leak = leak(*scanned.truth, *any.refined(), set_.measured(), scanned.scan.positions);
     }
+    reset_peak_memory();
     const auto start = std::chrono::steady_clock::now();
     const scan::CleanScan cleaned = scan::clean_scan(scanned.scan);
     row.clean_seconds = seconds_since(start);
@@ -107,8 +110,8 @@ class SetRun {
         found = contender.registration->expression(*contender.neutral, cleaned.mesh);
       row.register_seconds = seconds_since(start);
       row.quality = found.quality;
-      if (scanned.truth)
-        row.distances = measure(*scanned.truth, found, set_.measured(), cleaned.report.units.mm_per_unit);
+      row.peak_bytes = peak_memory();
+      if (scanned.truth) hold_against(*scanned.truth, found, cleaned.report.units.mm_per_unit, row);
       if (!options_.pictures.empty()) picture(scanned, cleaned, found, row);
       if (neutral) contender.neutral = std::move(found);
     } catch (const Cancelled&) {
@@ -116,6 +119,13 @@ class SetRun {
     } catch (const Error& problem) {
       row.error = problem.what();
     }
+  }
+
+  void hold_against(const Truth& truth, const Registered& found, double mm_per_unit, CaseRow& row) const {
+    row.distances = measure(truth, found, set_.measured(), mm_per_unit);
+    const Points positions = in_scan_frame(found, mm_per_unit);
+    row.openings = openings(set_.head(), truth.vertices, positions);
+    row.turned_triangles = turned_triangles(*found.mesh.topology, set_.measured(), positions, truth.vertices);
   }
 
   void picture(const ScanCase& scanned, const scan::CleanScan& cleaned, const Registered& found,

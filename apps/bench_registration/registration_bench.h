@@ -10,6 +10,7 @@
 #include "apps/bench_registration/case_set.h"
 #include "apps/bench_registration/leak.h"
 #include "apps/bench_registration/measure.h"
+#include "apps/bench_registration/openings.h"
 #include "core/progress.h"
 #include "register/quality.h"
 
@@ -31,7 +32,10 @@ struct CaseRow {
   std::string error;                   ///< why there is no result; the rest is then empty
   std::optional<Distances> distances;  ///< where the truth is known
   std::optional<Leak> leak;
+  std::vector<Opening> openings;  ///< of mouth and eyes, where the truth is known
+  int turned_triangles = 0;       ///< of the face, by more than a right angle from the truth, where it is known
   int scan_triangles = 0;
+  double peak_bytes = 0.0;  ///< of the whole process while the scan was cleaned and registered
   double clean_seconds = 0.0, register_seconds = 0.0;
   registration::Quality quality;
   double seconds() const { return clean_seconds + register_seconds; }

@@ -30,8 +30,8 @@ struct RayFan {
   struct Ray {
     Eigen::Vector3d origin, direction;  // inwards, unit
   };
-  Ray at(double row, double column) const {                      // both 0 … 1
-    constexpr double lowest = -1.05, highest = 0.7, side = 2.1;  // radians
+  Ray at(double row, double column) const {                       // both 0 … 1
+    constexpr double lowest = -1.05, highest = 1.05, side = 2.1;  // radians
     const double elevation = lowest + (highest - lowest) * row, around = side * (2.0 * column - 1.0);
     const Eigen::Vector3d outward(std::cos(elevation) * std::sin(around), std::sin(elevation),
                                   std::cos(elevation) * std::cos(around));
@@ -196,8 +196,8 @@ ResampledScan resample(const Mesh& surface, const std::vector<int>& face, const 
   const RayFan fan = fan_about(surface, face);
   const double bottom = bounds(surface.positions(face, Eigen::all)).min.y() - options.neck;
 
-  // Rows span about 250 mm of a head, columns 400 mm. A coarse trial tells how many rays meet something.
-  constexpr double aspect = 1.6;
+  // Rows span about 280 mm of a head, columns 400 mm. A coarse trial tells how many rays meet something.
+  constexpr double aspect = 1.45;
   constexpr int trial = 100;
   Grid coarse = cast(surface, scene, fan, bottom, options.seed, trial, static_cast<int>(aspect * trial));
   const double share = static_cast<double>(met(coarse).size()) / (aspect * trial * trial);
