@@ -11,15 +11,15 @@ namespace vultus::registration {
 /// Coefficients α, β, γ of eq. 17. The paper names none; these balance the terms on heads.
 struct EnergyWeights {
   double distance = 1.0;  ///< ≥ 0, of a mean distance in mm
-  double strain = 1.0;    ///< ≥ 0, of a mean change of length in mm, for edges of 1 mm on average (see below)
-  double bending = 10.0;  ///< ≥ 0, mm: of a mean change of the cosine between neighbouring triangles
+  double strain = 3.0;    ///< ≥ 0, of a mean change of length in mm, for edges of 1 mm on average (see below)
+  double bending = 30.0;  ///< ≥ 0, mm: of a mean change of the cosine between neighbouring triangles
 };
 
 struct EnergyOptions {
   EnergyWeights weights;
   /// ≥ 0: |x| counts as sqrt(x² + s²) − s, so that derivatives exist; mm, for cosines a hundredth of it. 0 is the
   /// paper's own, fit for the simplex only.
-  double softness = 0.05;
+  double softness = 0.1;
   int most_vertices = 3500;   ///< ≥ 1: means run over at most this many vertices …
   int most_edges = 3500;      ///< … and this many edges, taken at even intervals
   double least_cosine = 0.5;  ///< between mesh and scan where a vertex is to have data

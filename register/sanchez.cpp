@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/rbf.h"
 #include "register/align.h"
 #include "register/control_surface.h"
 #include "register/energy_registration.h"
@@ -30,14 +29,6 @@ std::string in_words(const EnergyRegistration& energy, int controls) {
          number(energy.final.strain) + " mm, in " + std::to_string(energy.steps) + " steps; " + energy.stopped;
 }
 
-// RBF through the landmarks (Sánchez eqs. 13–16); far from them its affine part carries the template.
-Points warped(const RefinedTemplate& model, const Anchors& anchors) {
-  RbfMap::Options options;
-  options.kernel = RbfKernel::inverse_multiquadric;
-  const RbfMap map(model.head.neutral(anchors.vertices, Eigen::all), anchors.targets, options);
-  return model.loop(map(model.head.neutral));
-}
-
 /// The part both kinds of scan share: `reference` is the shape to keep, `start` the control points' start.
 Points fitted_by_energy(const FitInput& input, const SkinControls& controls, const Points& reference,
                         const Points& start, bool same_person, Fit& fit, Progress& progress) {
@@ -60,6 +51,19 @@ Points fitted_by_energy(const FitInput& input, const SkinControls& controls, con
   return positions;
 }
 
+// RBF warp through the landmarks (eqs. 13–16), then cylindrical projection (§6).
+Points neutral_start(const FitInput& input, const Anchors& anchors, const Similarity& scan_from_template) {
+  const RefinedTemplate& model = input.model;
+  const RbfMap map = start_warp(model.head.neutral, model.fitted_control, anchors, scan_from_template, input.scan,
+                                RbfKernel::inverse_multiquadric);
+  const HeadAxis axis = head_axis(model.head.neutral, model.fitted_control, scan_from_template);
+  ProjectOptions projection;
+  projection.max_displacement = input.options.displacement_limit;
+  return project_cylindrically(model.topology(), model.loop(map(model.head.neutral)), model.fitted, input.scan,
+                               axis.point, axis.direction, projection)
+      .positions;
+}
+
 // Control points moved as landmarks and jaw move them; those between follow smoothly over the control surface.
 Points moved_controls(const SkinControls& controls, const Points& rest, const Anchors& anchors,
                       const std::vector<PointTerm>& jaw) {
@@ -68,8 +72,11 @@ Points moved_controls(const SkinControls& controls, const Points& rest, const An
   // Skin far from every landmark stays with the skull.
   Eigen::VectorXd weight = Eigen::VectorXd::Constant(count, 0.02);
   for (int c = 0; c < count; ++c) {
+    double nearest = 8.0;  // mm: the jaw's terms stand closer than that on the chin
     for (const PointTerm& term : jaw) {
-      if ((rest.row(term.vertex) - rest.row(controls.vertices[c])).norm() > 8.0) continue;
+      const double distance = (rest.row(term.vertex) - rest.row(controls.vertices[c])).norm();
+      if (distance > nearest) continue;
+      nearest = distance;
       displacement.row(c) = term.target.transpose() - rest.row(term.vertex);
       weight[c] = 1.0;
     }
@@ -93,16 +100,12 @@ Fit fit_sanchez_neutral(const FitInput& input, Progress& progress) {
                                               fit.anchors.confidence, Scaling::free);
   fit.decisions.push_back("template scaled by " + number(alignment.scan_from_template.scale) + ", landmarks then lie " +
                           number(alignment.rms) + " mm off");
-  const Points reference = warped(model, fit.anchors);
-  const HeadAxis axis = head_axis(model.head.neutral, model.fitted_control, alignment.scan_from_template);
-  ProjectOptions projection;
-  projection.max_displacement = input.options.displacement_limit;
-  const Points projected = project_cylindrically(model.topology(), reference, model.fitted, input.scan, axis.point,
-                                                 axis.direction, projection)
-                               .positions;
+  const Similarity& scan_from_template = alignment.scan_from_template;
+  const Points reference = transformed(scan_from_template, model.neutral);
+  const Points from = neutral_start(input, fit.anchors, scan_from_template);
   const SkinControls controls = make_controls(model.head, model.topology(), model.neutral, model.fitted);
   fit.positions =
-      fitted_by_energy(input, controls, reference, projected(controls.vertices, Eigen::all), false, fit, progress);
+      fitted_by_energy(input, controls, reference, from(controls.vertices, Eigen::all), false, fit, progress);
   fit.face_from_scan = upright(model.head, fit.positions, model.neutral);
   return fit;
 }

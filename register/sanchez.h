@@ -10,9 +10,10 @@ namespace vultus::registration {
 /// that distance + strain + bending become least (eqs. 17, 18).
 ///
 /// Choices where the paper leaves them: the control points are the template's landmarks and points that fill the gaps
-/// between them (`make_controls`); strain and bending keep the shape that the RBF warp gives the template; what the
-/// bones are too coarse for is then projected onto the scan along normals, since the paper stops at markers and a
-/// registration must not.
+/// between them (`make_controls`); the initial configuration that strain and bending keep is the template's own shape,
+/// scaled and turned onto the scan, so that errors of landmarks do not become part of it; far from every landmark the
+/// warp is held by template points on the scan (`start_warp`); what the bones are too coarse for is in the end
+/// projected along normals, since the paper stops at markers and a registration must not.
 Fit fit_sanchez_neutral(const FitInput& input, Progress& progress);
 
 /// The same on another pose, from the same person's registered neutral: the head's rigid motion, the control points

@@ -29,7 +29,7 @@ HeadAxis head_axis(const Points& neutral, const std::vector<bool>& fitted, const
 }
 
 RbfMap start_warp(const Points& vertices, const std::vector<bool>& fitted, const Anchors& anchors,
-                  const Similarity& scan_from_template, const ScanSurface& scan) {
+                  const Similarity& scan_from_template, const ScanSurface& scan, RbfKernel kernel) {
   const Points sources = vertices(anchors.vertices, Eigen::all);
   const std::vector<int> support = support_vertices(vertices, fitted, sources, 35.0);
   const HeadAxis axis = head_axis(vertices, fitted, scan_from_template);
@@ -46,7 +46,9 @@ RbfMap start_warp(const Points& vertices, const std::vector<bool>& fitted, const
     if (const auto hit = scan.along(moved, radial.normalized(), radial.normalized(), 15.0, 0.3))
       to.row(sources.rows() + k) = hit->position;
   }
-  return RbfMap(from, to);
+  RbfMap::Options options;
+  options.kernel = kernel;
+  return RbfMap(from, to, options);
 }
 
 }  // namespace vultus::registration

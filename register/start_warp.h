@@ -19,6 +19,7 @@ HeadAxis head_axis(const Points& neutral, const std::vector<bool>& fitted, const
 /// moved by the alignment and set onto the scan by a ray (Zhu §4.2), so that the warp stays put where no landmark says
 /// anything.
 RbfMap start_warp(const Points& vertices, const std::vector<bool>& fitted, const Anchors& anchors,
-                  const Similarity& scan_from_template, const ScanSurface& scan);
+                  const Similarity& scan_from_template, const ScanSurface& scan,
+                  RbfKernel kernel = RbfKernel::multiquadric);
 
 }  // namespace vultus::registration
