@@ -50,7 +50,7 @@ double farthest_motion(int ibug) {
 double unit_correction(double outer_eye_distance) {
   const double least = 65.0, most = 125.0;
   if (!(outer_eye_distance > 0.0)) return 1.0;
-  for (double factor : {1.0, 10.0, 0.1, 1000.0, 0.001, 25.4, 1.0 / 25.4, 100.0, 0.01})
+  for (double factor : {1.0, 10.0, 0.1, 1000.0, 0.001, 25.4, 1.0 / 25.4, 100.0, 0.01, 2.54, 1.0 / 2.54})
     if (factor * outer_eye_distance >= least && factor * outer_eye_distance <= most) return factor;
   return 1.0;
 }

@@ -26,6 +26,7 @@ class Reasons {
     else if (value >= pass)
       warn(text);
   }
+  bool failed() const { return !failures_.empty(); }
   void conclude(Quality& quality) const {
     quality.verdict = !failures_.empty() ? Verdict::fail : !warnings_.empty() ? Verdict::warn : Verdict::pass;
     quality.reasons = failures_;
@@ -35,6 +36,10 @@ class Reasons {
  private:
   std::vector<std::string> failures_, warnings_;
 };
+
+std::string unit_in_words(const std::string& unit) {
+  return unit == "cm" ? "centimetres" : unit == "m" ? "metres" : unit;
+}
 
 // What cleaning and detection had to repair: right or not, a person should confirm it once.
 void check_scan(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
@@ -47,7 +52,7 @@ void check_scan(const QualityLimits& limits, const Quality& quality, Reasons& re
   if (!facts.unit_certain)
     reasons.warn("the scan's size fits no head in millimetres, centimetres, metres or inches: wrong scale?");
   else if (!facts.unit.empty())
-    reasons.warn("the scan's unit was taken to be " + facts.unit +
+    reasons.warn("the scan's unit was taken to be " + unit_in_words(facts.unit) +
                  " from its size; confirm it by \"units\" in capture.json");
   if (facts.rescaled != 1.0)
     reasons.warn("the scan was scaled by " + number(facts.rescaled, "%.4g") +
@@ -83,12 +88,13 @@ const SetQuality& main_region(const Quality& quality) {
 }
 
 std::string words(const std::string& region) {
-  std::string text = region;
+  std::string text = "the " + region;
   std::replace(text.begin(), text.end(), '_', ' ');
-  return text == "left half" || text == "right half" ? text + " of the face" : text;
+  if (region == "under_chin") return "the skin under the chin";
+  return region == "left_half" || region == "right_half" ? text + " of the face" : text;
 }
 
-void check_surface(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
+void check_face(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
   const SetQuality& face = main_region(quality);
   reasons.check(-face.coverage, -limits.pass_coverage, -limits.fail_coverage,
                 "only " + percent(face.coverage) + " of the face lies on data");
@@ -96,16 +102,19 @@ void check_surface(const QualityLimits& limits, const Quality& quality, Reasons&
                 "the scan lies " + number(face.scan_to_mesh_mean) + " mm from the mesh on average");
   reasons.check(face.mesh_to_scan_p95, 5 * limits.pass_mean, 5 * limits.fail_mean,
                 "a twentieth of the face lies more than " + number(face.mesh_to_scan_p95) + " mm from the scan");
+}
+
+void check_regions(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
   for (const std::string region :
-       {"forehead", "eyes", "nose", "lips", "chin", "under_chin", "left_half", "right_half", "ears"}) {
+       {"left_half", "right_half", "forehead", "eyes", "nose", "lips", "chin", "under_chin", "ears"}) {
     const auto found = quality.sets.find(region);
     if (found == quality.sets.end()) continue;
     const SetQuality& part = found->second;
     const bool may_lack = region == "ears" || region == "under_chin";  // hair, and what scanners seldom see
     if (part.coverage < limits.region_coverage && !may_lack)
-      reasons.warn("only " + percent(part.coverage) + " of the " + words(region) + " has data");
+      reasons.warn("only " + percent(part.coverage) + " of " + words(region) + " has data");
     if (part.scan_to_mesh_mean > limits.pass_region && part.coverage > 0.1)
-      reasons.warn("the " + words(region) + " lies " + number(part.scan_to_mesh_mean) + " mm from the scan on average");
+      reasons.warn(words(region) + ": " + number(part.scan_to_mesh_mean) + " mm from the scan on average");
   }
 }
 
@@ -154,9 +163,13 @@ void reach_verdict(const QualityLimits& limits, Quality& quality) {
   Reasons reasons;
   check_scan(limits, quality, reasons);
   check_landmarks(limits, quality, reasons);
-  check_surface(limits, quality, reasons);
+  check_face(limits, quality, reasons);
   check_triangles(limits, quality, reasons);
-  check_seals(limits, quality, reasons);
+  // Where the whole is wrong, its parts say nothing new.
+  if (!reasons.failed()) {
+    check_regions(limits, quality, reasons);
+    check_seals(limits, quality, reasons);
+  }
   reasons.conclude(quality);
 }
 
