@@ -2,6 +2,7 @@
 
 #include "apps/commands.h"
 #include "apps/onboarding.h"
+#include "register/register_options.h"
 
 namespace vultus::apps {
 namespace {
@@ -43,7 +44,9 @@ void add_onboard(CommandTable& table) {
   app.add_option("--poses", options->poses, "Only these poses (and the neutral)")
       ->type_name("POSE…")
       ->expected(1, 1000);
-  add_choice(app, "--method", options->method, "How scans are brought to the template", {"default", "zhu"});
+  add_choice(app, "--method", options->method, "How scans are brought to the template", registration::method_names());
+  add_choice(app, "--energy-solver", options->energy_solver, "What minimizes the energy of --method sanchez",
+             registration::energy_solver_names());
   add_choice(app, "--transfer", options->transfer, "How motion comes from the databank", {"gradient", "zhu"});
   app.add_option("--regions", options->regions, "Regions the face is divided into")
       ->check(CLI::Range(1, 64))

@@ -43,8 +43,8 @@ class Onboarding {
 
   OnboardResult run() {
     check_wanted_poses();
-    registration::RegisterOptions register_options;
-    register_options.method = registration::method_named(options_.method);
+    const registration::RegisterOptions register_options =
+        registration::register_options(options_.method, options_.energy_solver);
     const registration::Registration registration(template_for(options_), register_options);
     const std::string template_hash = hash_of(registration.head());
     write_topology(registration, template_hash);
@@ -53,8 +53,8 @@ class Onboarding {
     for (const CapturedPose& pose : capture_.poses) {
       if (is_wanted(pose.name, options_)) scanned.push_back(pose);
     }
-    const ScannedPoses scans =
-        register_scans(capture_, scanned, registration, template_hash, options_.method, writer_, progress_);
+    const ScannedPoses scans = register_scans(capture_, scanned, registration, template_hash,
+                                              method_in_words(register_options), writer_, progress_);
     result_.registered = scans.registered;
     result_.reused = scans.reused;
     result_.failed = scans.failed;
@@ -136,11 +136,12 @@ class Onboarding {
     }
     json warnings = result_.warnings;
     for (const std::string& line : result_.failed) warnings.push_back("left out: " + line);
-    result_.report = {{"template", template_name},
-                      {"method", options_.method},
-                      {"poses", poses},
-                      {"decisions", decisions_},
-                      {"warnings", warnings}};
+    result_.report = {
+        {"template", template_name},
+        {"method", options_.method},
+        {"poses", poses},
+        {"decisions", decisions_},
+        {"warnings", warnings}};
     write_json(options_.actor / "report/registration.json", result_.report);
     writer_.manifest().record("report/registration.json", {"onboard", json::object(), {}});
     forget_other_reports(kept);

@@ -15,7 +15,8 @@ struct OnboardOptions {
   std::filesystem::path template_path;  ///< template.obj or its folder; empty: the databank's, else the built-in head
   std::filesystem::path databank;       ///< actor folder whose expressions are brought by motion transfer; may be empty
   std::vector<std::string> poses;       ///< wanted, scanned or of the databank; empty: all. The neutral always comes
-  std::string method = "default";       ///< of registration, "default" or "zhu"
+  std::string method = "default";       ///< of registration, "default", "zhu" or "sanchez"
+  std::string energy_solver = "ceres";  ///< of the method "sanchez", "ceres" or "simplex"
   std::string transfer = "gradient";    ///< of motion from the databank, "gradient" or "zhu"
   int regions = 6;                      ///< the face is divided into, 1 to 64
   std::uint64_t seed = 1;

@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   fs::path scan, out, template_path, landmarks;
-  std::string method = "default";
+  std::string method = "default", energy_solver = "ceres";
   scan::CleanOptions cleaning;
 };
 
 ExitCode register_scan(const Arguments& arguments, Run& run) {
   run.input(arguments.scan);
-  registration::RegisterOptions options;
-  options.method = registration::method_named(arguments.method);
+  const registration::RegisterOptions options =
+      registration::register_options(arguments.method, arguments.energy_solver);
   const registration::Registration registration(arguments.template_path.empty()
                                                     ? registration::template_head()
                                                     : registration::read_template(arguments.template_path),
@@ -56,7 +56,10 @@ void add_register(CommandTable& table) {
   app.add_option("--landmarks", arguments->landmarks, "Points placed by hand (default: found)")->type_name("FILE.json");
   app.add_option("--mm-per-unit", arguments->cleaning.mm_per_unit,
                  "Millimetres in one unit of the scan (0: from its size)");
-  add_choice(app, "--method", arguments->method, "How the scan is brought to the template", {"default", "zhu"});
+  add_choice(app, "--method", arguments->method, "How the scan is brought to the template",
+             registration::method_names());
+  add_choice(app, "--energy-solver", arguments->energy_solver, "What minimizes the energy of --method sanchez",
+             registration::energy_solver_names());
 }
 
 }  // namespace vultus::apps

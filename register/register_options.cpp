@@ -17,11 +17,30 @@ Method method_named(const std::string& name) {
 
 std::string name_of(Method method) {
   switch (method) {
-    case Method::zhu: return "zhu";
-    case Method::sanchez: return "sanchez";
-    case Method::standard: break;
+    case Method::zhu:
+      return "zhu";
+    case Method::sanchez:
+      return "sanchez";
+    case Method::standard:
+      break;
   }
   return "default";
+}
+
+RegisterOptions register_options(const std::string& method, const std::string& energy_solver) {
+  RegisterOptions options;
+  options.method = method_named(method);
+  const EnergySolver solver = energy_solver_named(energy_solver);
+  if (solver != options.energy_solver && options.method != Method::sanchez)
+    throw UsageError("the energy solver \"" + energy_solver + "\" is for the method \"sanchez\", not \"" + method +
+                     "\"");
+  options.energy_solver = solver;
+  return options;
+}
+
+std::string method_in_words(const RegisterOptions& options) {
+  const bool by_simplex = options.method == Method::sanchez && options.energy_solver == EnergySolver::simplex;
+  return name_of(options.method) + (by_simplex ? ", simplex" : "");
 }
 
 void RegisterOptions::validate() const {

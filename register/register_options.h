@@ -12,7 +12,8 @@ namespace vultus::registration {
 class FaceFinder;
 
 /// `standard` ("default"): RBF start, then non-rigid refinement. `zhu`: RBF, subdivision and cylindrical projection as
-/// published (Zhu §4.3–4.5). `sanchez`: distance, strain and bending over a control surface of planar bones (Sánchez §6).
+/// published (Zhu §4.3–4.5). `sanchez`: distance, strain and bending over a control surface of planar bones (Sánchez
+/// §6).
 enum class Method { standard, zhu, sanchez };
 /// "default", "zhu" or "sanchez"; throws `UsageError` with the nearest name.
 Method method_named(const std::string& name);
@@ -22,11 +23,17 @@ std::vector<std::string> method_names();
 struct RegisterOptions {
   Method method = Method::standard;
   EnergySolver energy_solver = EnergySolver::ceres;  ///< of the method `sanchez`
-  double displacement_limit = 10.0;          ///< mm, > 0: Zhu's threshold against large displacements (§4.5.2)
-  double least_confidence = 0.1;             ///< landmarks found below this do not take part
-  std::shared_ptr<const FaceFinder> finder;  ///< loaded on first need when absent
+  double displacement_limit = 10.0;                  ///< mm, > 0: Zhu's threshold against large displacements (§4.5.2)
+  double least_confidence = 0.1;                     ///< landmarks found below this do not take part
+  std::shared_ptr<const FaceFinder> finder;          ///< loaded on first need when absent
   QualityLimits limits;
   void validate() const;  ///< throws `InputError`
 };
+
+/// The defaults with method and energy solver by name. Throws `UsageError` for unknown names and for another solver
+/// than the default with a method that minimizes no energy.
+RegisterOptions register_options(const std::string& method, const std::string& energy_solver);
+/// The method in words that tell apart what gives different results: "default", "zhu", "sanchez", "sanchez, simplex".
+std::string method_in_words(const RegisterOptions& options);
 
 }  // namespace vultus::registration
