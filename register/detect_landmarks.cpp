@@ -86,15 +86,6 @@ std::vector<Shot> fan(const FacePlace& place) {
   return shots;
 }
 
-double point_distance(const ScanLandmarks& points, int a, int b) {
-  const Eigen::Vector3d* ends[2] = {nullptr, nullptr};
-  for (const ScanLandmark& point : points) {
-    if (point.name == ibug_name(a)) ends[0] = &point.position;
-    if (point.name == ibug_name(b)) ends[1] = &point.position;
-  }
-  return ends[0] && ends[1] ? (*ends[0] - *ends[1]).norm() : 0.0;
-}
-
 }  // namespace
 
 DetectedLandmarks detect_landmarks(const Mesh& scan, const FaceFinder& finder) {
@@ -118,7 +109,7 @@ DetectedLandmarks detect_landmarks(const Mesh& scan, const FaceFinder& finder) {
   result.agreement = static_cast<double>(result.views) / static_cast<double>(shots.size());
   result.other_faces = static_cast<int>(found.others.size());
   agree(views, place.eye_distance, result);
-  result.outer_eye_distance = point_distance(result.points, 36, 45);
+  result.outer_eye_distance = distance_between(result.points, ibug_name(36), ibug_name(45));
   result.decisions.push_back("face found " + found.how + ": front " + describe(place.frame.col(2)) + ", up " +
                              describe(place.frame.col(1)) + ", " + std::to_string(result.views) + " of " +
                              std::to_string(shots.size()) + " views agree");

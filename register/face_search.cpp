@@ -170,8 +170,8 @@ std::optional<Candidate> looked_at_closely(const ScanPictures& pictures, const F
       }
     if (!better) return {};
     const auto place = place_of(*better);
-    if (!place || !same_face(*place, candidate.place)) return {};
-    candidate.place = *place;
+    if (place && !same_face(*place, candidate.place)) return {};
+    if (place) candidate.place = *place;
     candidate.score = score;
   }
   return candidate;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "register/landmarks.h"
+
 namespace vultus::registration {
 namespace {
 
@@ -28,17 +30,49 @@ void drop_mouth_cavity(FaceView& view, const Camera& camera) {
     if (view.points[i] && camera.project(*view.points[i]).z() > farthest + 0.3 * span) view.points[i].reset();
 }
 
+struct Sight {
+  Eigen::Vector3d position;
+  double facing;
+};
+
+std::optional<Sight> seen_at(const ScanPictures& pictures, const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d eye = camera.centre(), direction = camera.direction(pixel.x(), pixel.y()).normalized();
+  const auto hit = pictures.rays().hit(eye, direction);
+  if (!hit) return {};
+  const double facing = -pictures.normal(hit->place).dot(direction);
+  if (facing < 0.15) return {};
+  return Sight{eye + hit->distance * direction, facing};
+}
+
+// A scan has cracks just where points lie, along lids and lips: what stands beside the crack is seen instead.
+std::optional<Sight> seen_near(const ScanPictures& pictures, const Camera& camera, const Eigen::Vector2d& pixel,
+                               double reach) {
+  if (const auto sight = seen_at(pictures, camera, pixel)) return sight;
+  for (double radius : {0.5 * reach, reach}) {
+    Sight sum{Eigen::Vector3d::Zero(), 0.0};
+    int count = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector2d beside = pixel + radius * Eigen::Vector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
+      if (const auto sight = seen_at(pictures, camera, beside)) {
+        sum.position += sight->position;
+        sum.facing += sight->facing;
+        ++count;
+      }
+    }
+    if (count >= 3) return Sight{sum.position / count, sum.facing / count};
+  }
+  return {};
+}
+
 FaceView cast_back(const ScanPictures& pictures, const FoundFace& face, const Camera& camera) {
   FaceView view{face, {}, {}};
-  const Eigen::Vector3d eye = camera.centre();
+  const double reach = 0.04 * (face.points[16] - face.points[0]).norm();  // some 5 mm on a head
   for (int i = 0; i < 68; ++i) {
-    const Eigen::Vector3d direction = camera.direction(face.points[i].x(), face.points[i].y());
-    const auto hit = pictures.rays().hit(eye, direction);
-    if (!hit) continue;
-    const double facing = -pictures.normal(hit->place).dot(direction.normalized());
-    if (facing < 0.15) continue;
-    view.points[i] = eye + hit->distance * direction.normalized();
-    view.facing[i] = facing;
+    const auto sight =
+        is_contour(i) ? seen_at(pictures, camera, face.points[i]) : seen_near(pictures, camera, face.points[i], reach);
+    if (!sight) continue;
+    view.points[i] = sight->position;
+    view.facing[i] = sight->facing;
   }
   drop_mouth_cavity(view, camera);
   return view;

@@ -28,6 +28,15 @@ Eigen::Vector3d read_point(const std::filesystem::path& file, const std::string&
 
 }  // namespace
 
+double distance_between(const ScanLandmarks& landmarks, const std::string& a, const std::string& b) {
+  const Eigen::Vector3d *first = nullptr, *second = nullptr;
+  for (const ScanLandmark& landmark : landmarks) {
+    if (landmark.name == a) first = &landmark.position;
+    if (landmark.name == b) second = &landmark.position;
+  }
+  return first && second ? (*first - *second).norm() : 0.0;
+}
+
 std::string ibug_name(int index) { return ibug_prefix + std::to_string(index); }
 
 std::optional<int> ibug_index(const std::string& name) {

@@ -17,6 +17,9 @@ struct ScanLandmark {
 };
 using ScanLandmarks = std::vector<ScanLandmark>;
 
+/// Distance between two of them; 0 where one is missing.
+double distance_between(const ScanLandmarks& landmarks, const std::string& a, const std::string& b);
+
 /// Name of point `index` (0 … 67) of the 68-point scheme: "ibug.0" … "ibug.67".
 std::string ibug_name(int index);
 /// The index in such a name, or nothing for any other name.
