@@ -42,6 +42,9 @@ void add_scan_clean(CommandTable& table) {
       ->capture_default_str();
   app.add_option("--spike-factor", options.spike_factor, "How many usual steps off its neighbours makes a spike")
       ->capture_default_str();
+  app.add_option("--wildness", options.wildness,
+                 "Share of steep triangles around a vertex that makes it hair-like clutter (1: keep all)")
+      ->capture_default_str();
   app.add_option("--fill-holes", options.largest_filled_hole, "Fill holes up to this boundary length, mm (0: none)")
       ->capture_default_str();
   app.add_option("--triangles", options.target_triangles, "Decimate to about so many (0: keep the density)")

@@ -51,6 +51,7 @@ void CleanOptions::validate() const {
   if (!(smallest_component >= 0.0 && smallest_component <= 1.0))
     throw InputError("cleaning: the smallest component must be a share from 0 to 1");
   if (!(spike_factor > 1.0)) throw InputError("cleaning: the spike factor must be above 1");
+  if (!(wildness > 0.0 && wildness <= 1.0)) throw InputError("cleaning: the wildness must be a share from 0 to 1");
   if (!(largest_filled_hole >= 0.0)) throw InputError("cleaning: the largest hole to fill cannot be negative");
   if (!(target_triangles >= 0.0)) throw InputError("cleaning: the number of triangles cannot be negative");
 }
@@ -68,6 +69,7 @@ std::vector<std::string> CleanReport::lines() const {
   say(non_manifold_splits, "vertices split where sheets met in one edge or point");
   say(stray_triangles, "triangles in " + std::to_string(stray_components) + " stray pieces removed");
   say(spike_vertices, "spikes removed");
+  say(clutter_vertices, "vertices of hair-like clutter removed");
   if (turned_inside_out) text.push_back("the scan was inside out: every triangle turned round");
   say(other_heads, "further pieces of a head's size kept");
   say(unused_vertices, "vertices without triangles left out");
@@ -97,6 +99,8 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   report.degenerate_triangles = drop_degenerate(soup);
   report.duplicate_triangles = drop_repeated_triangles(soup);
   report.spike_vertices = drop_spikes(soup, options.spike_factor, 3);
+  for (int pass = 0; pass < 3; ++pass) report.clutter_vertices += drop_clutter(soup, options.wildness);
+  report.spike_vertices += drop_border_spikes(soup, 0.5 * options.spike_factor, 6);
   progress.check();
   // Pieces are told apart after sheets that only touch have been taken apart and spikes' stumps cut loose.
   report.non_manifold_splits = orient(soup);
@@ -107,8 +111,8 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   report.turned_inside_out = turn_outwards(soup);
   report.other_heads = std::max(0, count_large_pieces(soup, 0.3, 120.0) - 1);
   result.removed = removed_points(before, soup);
-  report.unused_vertices =
-      drop_unused(soup) - report.spike_vertices - report.duplicate_vertices - report.non_finite_vertices;
+  report.unused_vertices = drop_unused(soup) - report.spike_vertices - report.clutter_vertices -
+                           report.duplicate_vertices - report.non_finite_vertices;
   report.unused_vertices = std::max(0, report.unused_vertices);
   progress.check();
 

@@ -14,6 +14,29 @@ int root_of(std::vector<int>& parent, int v) {
   return v;
 }
 
+std::uint64_t edge_key(int a, int b) {
+  return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint32_t>(std::max(a, b));
+}
+
+// Length of open edges of each piece but the largest, whose border matters to nobody.
+std::vector<double> border_lengths(const Soup& soup, const Pieces& pieces, double largest) {
+  std::vector<std::pair<std::uint64_t, int>> edges;
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    const auto& c = soup.triangles[t];
+    if (pieces.area[pieces.of_triangle[t]] == largest) continue;
+    for (int k = 0; k < 3; ++k) edges.emplace_back(edge_key(c[k], c[(k + 1) % 3]), pieces.of_triangle[t]);
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<double> lengths(pieces.area.size(), 0.0);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto& [key, piece] = edges[i];
+    if ((i > 0 && edges[i - 1].first == key) || (i + 1 < edges.size() && edges[i + 1].first == key)) continue;
+    const auto a = static_cast<int>(key >> 32), b = static_cast<int>(key & 0xffffffffu);
+    lengths[piece] += (soup.positions.row(a) - soup.positions.row(b)).norm();
+  }
+  return lengths;
+}
+
 }  // namespace
 
 Pieces pieces_of(const Soup& soup) {
@@ -48,13 +71,19 @@ Eigen::RowVector3d area_vector(const Soup& soup, int t) {
 StrayPieces drop_stray_pieces(Soup& soup, double smallest) {
   const Pieces pieces = pieces_of(soup);
   StrayPieces stray;
-  if (pieces.area.empty()) return stray;
-  const double limit = smallest * *std::max_element(pieces.area.begin(), pieces.area.end());
+  if (pieces.area.size() < 2) return stray;
+  const double largest = *std::max_element(pieces.area.begin(), pieces.area.end());
+  const std::vector<double> border = border_lengths(soup, pieces, largest);
+  std::vector<bool> is_stray(pieces.area.size());
+  for (std::size_t p = 0; p < is_stray.size(); ++p) {
+    // Shreds: a disc has 0.08 here, a strip twelve times as long as wide 0.018.
+    const bool is_shredded = pieces.area[p] < 0.3 * largest && pieces.area[p] < 0.006 * border[p] * border[p];
+    is_stray[p] = pieces.area[p] < smallest * largest || (smallest > 0.0 && is_shredded);
+    stray.pieces += is_stray[p];
+  }
   std::vector<bool> keep(soup.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = pieces.area[pieces.of_triangle[t]] >= limit;
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !is_stray[pieces.of_triangle[t]];
   stray.triangles = static_cast<int>(std::count(keep.begin(), keep.end(), false));
-  stray.pieces =
-      static_cast<int>(std::count_if(pieces.area.begin(), pieces.area.end(), [&](double a) { return a < limit; }));
   keep_triangles(soup, keep);
   return stray;
 }
@@ -104,9 +133,8 @@ int count_boundaries(const Soup& soup) {
   // (or several that touch).
   std::vector<std::uint64_t> directed;
   directed.reserve(3 * soup.triangles.size());
-  const auto key = [](int a, int b) { return (static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b); };
   for (const auto& c : soup.triangles)
-    for (int k = 0; k < 3; ++k) directed.push_back(key(std::min(c[k], c[(k + 1) % 3]), std::max(c[k], c[(k + 1) % 3])));
+    for (int k = 0; k < 3; ++k) directed.push_back(edge_key(c[k], c[(k + 1) % 3]));
   std::sort(directed.begin(), directed.end());
   std::vector<int> parent(soup.positions.rows());
   std::iota(parent.begin(), parent.end(), 0);

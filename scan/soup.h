@@ -38,7 +38,8 @@ struct Pieces {
 };
 Pieces pieces_of(const Soup& soup);
 
-/// Removes pieces smaller than `smallest` of the largest one's area.
+/// Removes pieces smaller than `smallest` of the largest one's area, and strands and shreds: pieces with much more
+/// border than area. 0 keeps every piece.
 struct StrayPieces {
   int pieces = 0, triangles = 0;
 };
@@ -54,6 +55,15 @@ bool turn_outwards(Soup& soup);
 /// Takes off vertices that stand out of their surroundings like needles, up to `passes` times (a group of spikes shows
 /// its lower ones when the highest are gone); returns how many.
 int drop_spikes(Soup& soup, double factor, int passes);
+
+/// Takes out hair-like clutter and groups of spikes: vertices around which (two rings) more than `wildness` of the
+/// triangles stand steep on their own corners' normals and normals cancel out. Does nothing where a tenth of the scan
+/// is like that: it is then noise finer than the sampling. Returns how many vertices.
+int drop_clutter(Soup& soup, double wildness);
+
+/// Takes off spikes that a border grows, from their tips inwards: border vertices all of whose edges are `factor` times
+/// longer than the scan's usual ones. Returns how many vertices.
+int drop_border_spikes(Soup& soup, double factor, int passes);
 
 /// Open borders; ones that touch count as one.
 int count_boundaries(const Soup& soup);

@@ -91,6 +91,69 @@ TEST(CleanScan, TakesSpikesOffAndKeepsTheReliefOfTheScan) {
   EXPECT_GE(clean.removed.rows(), 1);
 }
 
+TEST(CleanScan, TakesOutACrumpledTuftAndLeavesAFold) {
+  RawScan raw = band(60);
+  const int around = 120;
+  Random random(5);
+  std::vector<int> tuft;
+  for (int i = 20; i < 27; ++i)
+    for (int j = 40; j < 47; ++j) {
+      tuft.push_back(i * around + j);
+      for (int k = 0; k < 3; ++k) raw.points[tuft.back()][k] += 6.0 * random.normal();  // over edges of 4 and 5 mm
+    }
+  // A crease as sharp as lips have: a groove of 3 mm on two rows, which must stay.
+  for (int j = 0; j < around; ++j) raw.points[40 * around + j] *= 0.97;
+  CleanOptions options;
+  options.spike_factor = 1e9;  // clutter alone
+  const CleanReport report = clean_scan(raw.mesh(), options).report;
+  EXPECT_GE(report.clutter_vertices + report.vertices_before - report.vertices_after, 25);
+  EXPECT_LE(report.vertices_before - report.vertices_after, 49 + 32);  // the tuft and the ring around it
+  options.wildness = 1.0;
+  EXPECT_EQ(clean_scan(raw.mesh(), options).report.vertices_after, report.vertices_before);
+}
+
+TEST(CleanScan, TakesSpikesOffABorderAndShredsAway) {
+  RawScan raw = band(40);
+  const int vertices = static_cast<int>(raw.points.size()), triangles = static_cast<int>(raw.triangles.size());
+  // A horn of two sheets on the rim of the upper pole, 60 mm high where edges are 6 mm long.
+  raw.points.push_back({5, 160, 30});
+  raw.triangles.push_back({1, 0, vertices});
+  raw.triangles.push_back({2, 1, vertices});
+  // A strand, 1 mm wide and 80 mm long: more area than a flying point but hardly any inside.
+  for (int k = 0; k <= 10; ++k) {
+    raw.points.push_back({150, 8.0 * k, 0});
+    raw.points.push_back({151, 8.0 * k, 0});
+    if (k == 0) continue;
+    const int a = vertices + 2 * k - 1;
+    raw.triangles.push_back({a, a + 1, a + 3});
+    raw.triangles.push_back({a, a + 3, a + 2});
+  }
+  CleanOptions options;
+  options.smallest_component = 1e-6;
+  const CleanScan clean = clean_scan(raw.mesh(), options);
+  EXPECT_EQ(clean.report.stray_components, 1);
+  EXPECT_LT(clean.mesh.positions.rowwise().norm().maxCoeff(), 101.0);
+  EXPECT_GE(clean.report.vertices_after, vertices - 3);  // the horn may take its foot along
+  EXPECT_GE(clean.report.triangles_after, triangles - 12);
+}
+
+TEST(CleanScan, TurnsAnInsideOutScanAndCountsHeads) {
+  RawScan raw = band(40);
+  EXPECT_FALSE(clean_scan(raw.mesh()).report.turned_inside_out);
+  for (auto& triangle : raw.triangles) std::swap(triangle[0], triangle[1]);
+  const CleanScan turned = clean_scan(raw.mesh());
+  EXPECT_TRUE(turned.report.turned_inside_out);
+  const Points normals = triangle_normals(*turned.mesh.topology, turned.mesh.positions);
+  for (int t = 0; t < normals.rows(); ++t)
+    EXPECT_GT(normals.row(t).dot(turned.mesh.positions.row(turned.mesh.topology->triangles()(t, 0))), 0.0);
+  EXPECT_EQ(turned.report.other_heads, 0);
+  const int count = static_cast<int>(raw.points.size());
+  for (int v = 0; v < count; ++v) raw.points.push_back(raw.points[v] + Eigen::RowVector3d(300, 0, 0));
+  for (int t = static_cast<int>(raw.triangles.size()) - 1; t >= 0; --t)
+    raw.triangles.push_back(raw.triangles[t].array() + count);
+  EXPECT_EQ(clean_scan(raw.mesh()).report.other_heads, 1);
+}
+
 TEST(CleanScan, TurnsTrianglesToOneSideAndSplitsSheets) {
   RawScan raw = band(40);
   for (std::size_t t = 0; t < raw.triangles.size(); t += 7) std::swap(raw.triangles[t][0], raw.triangles[t][1]);
@@ -101,6 +164,7 @@ TEST(CleanScan, TurnsTrianglesToOneSideAndSplitsSheets) {
   CleanOptions options;
   options.smallest_component = 0.0;
   options.spike_factor = 1e9;
+  options.wildness = 1.0;
   const Mesh mesh = clean_scan(raw.mesh(), options).mesh;
   std::vector<std::pair<int, int>> directed;
   const Triangles& triangles = mesh.topology->triangles();
@@ -170,6 +234,8 @@ TEST(CleanScan, GuessesUnitsAndTakesThemAsTold) {
   EXPECT_NEAR(clean_scan(raw.mesh(), told).mesh.positions.rowwise().norm().mean(), 10.0, 0.01);
   for (auto& point : raw.points) point *= 1e-5;
   EXPECT_FALSE(guess_units(raw.mesh().positions).certain);
+  for (auto& point : raw.points) point *= 1e6 * 1e3;  // a thousandfold
+  EXPECT_EQ(guess_units(raw.mesh().positions).mm_per_unit, 0.001);
 }
 
 TEST(CleanScan, RefusesNothingAndWrongOptions) {
