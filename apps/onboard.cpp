@@ -44,6 +44,8 @@ void add_onboard(CommandTable& table) {
   app.add_option("--poses", options->poses, "Only these poses (and the neutral)")
       ->type_name("POSE…")
       ->expected(1, 1000);
+  add_choice(app, "--landmarks-by", options->landmarks_by, "What finds the points that are not placed by hand",
+             registration::landmark_finder_names());
   add_choice(app, "--method", options->method, "How scans are brought to the template", registration::method_names());
   add_choice(app, "--energy-solver", options->energy_solver, "What minimizes the energy of --method sanchez",
              registration::energy_solver_names());

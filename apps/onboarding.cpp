@@ -43,8 +43,9 @@ class Onboarding {
 
   OnboardResult run() {
     check_wanted_poses();
-    const registration::RegisterOptions register_options =
+    registration::RegisterOptions register_options =
         registration::register_options(options_.method, options_.energy_solver);
+    register_options.landmarks_by = registration::landmark_finder_named(options_.landmarks_by);
     const registration::Registration registration(template_for(options_), register_options);
     const std::string template_hash = hash_of(registration.head());
     write_topology(registration, template_hash);

@@ -16,9 +16,10 @@ struct OnboardOptions {
   std::filesystem::path databank;       ///< actor folder whose expressions are brought by motion transfer; may be empty
   std::vector<std::string> poses;       ///< wanted, scanned or of the databank; empty: all. The neutral always comes
   std::string method = "default";       ///< of registration, "default", "zhu" or "sanchez"
-  std::string energy_solver = "ceres";  ///< of the method "sanchez", "ceres" or "simplex"
-  std::string transfer = "gradient";    ///< of motion from the databank, "gradient" or "zhu"
-  int regions = 6;                      ///< the face is divided into, 1 to 64
+  std::string landmarks_by = "automatic";  ///< what finds landmarks, "automatic", "dlib" or "geometry"
+  std::string energy_solver = "ceres";     ///< of the method "sanchez", "ceres" or "simplex"
+  std::string transfer = "gradient";       ///< of motion from the databank, "gradient" or "zhu"
+  int regions = 6;                         ///< the face is divided into, 1 to 64
   std::uint64_t seed = 1;
   bool force = false;
 };

@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   fs::path scan, out, template_path, landmarks;
-  std::string method = "default", energy_solver = "ceres";
+  std::string method = "default", energy_solver = "ceres", landmarks_by = "automatic";
   scan::CleanOptions cleaning;
 };
 
 ExitCode register_scan(const Arguments& arguments, Run& run) {
   run.input(arguments.scan);
-  const registration::RegisterOptions options =
-      registration::register_options(arguments.method, arguments.energy_solver);
+  registration::RegisterOptions options = registration::register_options(arguments.method, arguments.energy_solver);
+  options.landmarks_by = registration::landmark_finder_named(arguments.landmarks_by);
   const registration::Registration registration(arguments.template_path.empty()
                                                     ? registration::template_head()
                                                     : registration::read_template(arguments.template_path),
@@ -56,6 +56,8 @@ void add_register(CommandTable& table) {
   app.add_option("--landmarks", arguments->landmarks, "Points placed by hand (default: found)")->type_name("FILE.json");
   app.add_option("--mm-per-unit", arguments->cleaning.mm_per_unit,
                  "Millimetres in one unit of the scan (0: from its size)");
+  add_choice(app, "--landmarks-by", arguments->landmarks_by, "What finds the points that are not placed by hand",
+             registration::landmark_finder_names());
   add_choice(app, "--method", arguments->method, "How the scan is brought to the template",
              registration::method_names());
   add_choice(app, "--energy-solver", arguments->energy_solver, "What minimizes the energy of --method sanchez",

@@ -9,18 +9,20 @@
 namespace vultus::registration {
 namespace {
 
-std::map<std::string, Eigen::Vector3d> by_name(const ScanLandmarks& landmarks) {
+std::map<std::string, Eigen::Vector3d> pictured_by_name(const ScanLandmarks& landmarks) {
   std::map<std::string, Eigen::Vector3d> map;
-  for (const ScanLandmark& landmark : landmarks) map[landmark.name] = landmark.position;
+  for (const ScanLandmark& landmark : landmarks)
+    if (landmark.pictured) map[landmark.name] = landmark.position;
   return map;
 }
 
 // Each target becomes its vertex, moved as the sightings of it moved from template to scan.
-void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, Anchors& anchors) {
-  const auto seen = by_name(seen_template);
+void cancel_bias(const Points& vertices, const ScanLandmarks& seen_template, const std::vector<bool>& pictured,
+                 Anchors& anchors) {
+  const auto seen = pictured_by_name(seen_template);
   std::vector<int> shared;
   for (int i = 0; i < anchors.size(); ++i)
-    if (seen.contains(anchors.names[i])) shared.push_back(i);
+    if (pictured[i] && seen.contains(anchors.names[i])) shared.push_back(i);
   if (shared.size() < 8) return;
   Points sightings(shared.size(), 3);
   for (std::size_t k = 0; k < shared.size(); ++k) sightings.row(k) = seen.at(anchors.names[shared[k]]);
@@ -63,7 +65,7 @@ Anchors make_anchors(const Template& head, const Points& vertices, const ScanLan
   LandmarkPairs pairs = pair_landmarks(head, trusted, chin);
   Anchors anchors{std::move(pairs.names), std::move(pairs.vertices), std::move(pairs.scan),
                   std::move(pairs.confidence)};
-  if (seen_template) cancel_bias(vertices, *seen_template, anchors);
+  if (seen_template) cancel_bias(vertices, *seen_template, pairs.pictured, anchors);
   return anchors;
 }
 

@@ -24,9 +24,10 @@ struct Anchors {
 double unit_correction(double outer_eye_distance);
 
 /// What a finder says of a grey shape is biased (brows, lids) but alike on every face: where the template was seen
-/// under the same conditions (`seen_template`, template frame), each target is the template vertex moved as its
-/// sighting moved. Without it, targets are the landmarks themselves. Landmarks below `least_confidence`, contour points
-/// (the chin's too, unless `chin`) and names that the template lacks are left out.
+/// under the same conditions (`seen_template`, template frame), each target that was seen in
+/// pictures is the template vertex moved as its sighting moved. Else targets are the landmarks themselves. Landmarks
+/// below `least_confidence`, contour points (the chin's too, unless `chin`) and names that the template lacks are left
+/// out.
 Anchors make_anchors(const Template& head, const Points& vertices, const ScanLandmarks& scan,
                      const ScanLandmarks* seen_template, double least_confidence, bool chin = false);
 

@@ -17,13 +17,6 @@ ScanLandmarks moved(const Similarity& motion, ScanLandmarks landmarks) {
   return landmarks;
 }
 
-Mesh shape_of(const RefinedTemplate& model) {
-  Mesh shape;
-  shape.topology = model.loop.refined();
-  shape.positions = model.neutral;
-  return shape;
-}
-
 Fit fit_neutral(const FitInput& input, Progress& progress) {
   switch (input.options.method) {
     case Method::zhu:
@@ -65,7 +58,7 @@ struct Registration::Impl {
   Impl(Template given, RegisterOptions given_options)
       : options(std::move(given_options)),
         model((options.validate(), std::move(given))),
-        preparation(model.head, shape_of(model), options.finder) {}
+        preparation(model, options) {}
 
   Registered neutral(const GivenScan& given, const std::optional<ScanLandmarks>& landmarks, Progress& progress) const;
   Registered expression(const Registered& neutral, const GivenScan& given,
@@ -121,7 +114,7 @@ Registered Registration::Impl::expression(const Registered& neutral, const Given
                                           const std::optional<ScanLandmarks>& landmarks, Progress& progress) const {
   if (neutral.mesh.positions.rows() != model.topology().vertex_count())
     throw InputError("the registered neutral has another topology than the template");
-  const Prepared prepared = preparation(given.mesh, landmarks);
+  const Prepared prepared = preparation(given.mesh, landmarks, &neutral.mesh.positions);
   progress.check();
   const ScanSurface scan(prepared.scan, given.invented);
   const FitInput input{model, preparation, prepared, scan, options};

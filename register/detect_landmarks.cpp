@@ -65,7 +65,7 @@ void agree(const std::vector<std::vector<FaceView>>& views, double eye_distance,
     const double spread = median(distances);
     const double seen = static_cast<double>(points.size()) / result.views;
     const double confidence = worth(i, result.coloured) * std::sqrt(seen) / (1.0 + std::pow(spread / tolerance, 2));
-    result.points.push_back({ibug_name(i), centre, confidence});
+    result.points.push_back({ibug_name(i), centre, confidence, true});
     spreads.push_back(spread);
   }
   result.spread = Eigen::Map<Eigen::VectorXd>(spreads.data(), static_cast<Eigen::Index>(spreads.size()));

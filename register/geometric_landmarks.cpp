@@ -118,7 +118,7 @@ DetectedLandmarks detect_landmarks_by_shape(const RefinedTemplate& model, const 
     const auto near = surface.rays().closest(place, 20.0);
     const double distance = near ? near->distance : 20.0;
     const double confidence = worth(name) * result.agreement / (1.0 + std::pow(distance / 3.0, 2));
-    result.points.push_back({name, place / factor, confidence});
+    result.points.push_back({name, place / factor, confidence, false});
     left.push_back(distance / factor);
   }
   result.spread = Eigen::Map<Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size()));

@@ -82,6 +82,7 @@ LandmarkPairs pair_landmarks(const Template& head, const ScanLandmarks& landmark
   for (int i = 0; i < pairs.size(); ++i) {
     pairs.scan.row(i) = used[i]->position;
     pairs.confidence[i] = used[i]->confidence;
+    pairs.pictured.push_back(used[i]->pictured);
   }
   return pairs;
 }

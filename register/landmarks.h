@@ -14,6 +14,7 @@ struct ScanLandmark {
   std::string name;                                    ///< a template's landmark name, or `ibug_name(i)`
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< scan frame
   double confidence = 1.0;                             ///< [0, 1]; 1 for points placed by hand
+  bool pictured = false;                               ///< seen in pictures, whose bias is alike on every face
 };
 using ScanLandmarks = std::vector<ScanLandmark>;
 
@@ -36,6 +37,7 @@ struct LandmarkPairs {
   std::vector<int> vertices;   ///< control mesh
   Points scan;                 ///< scan frame
   Eigen::VectorXd confidence;  ///< [0, 1]
+  std::vector<bool> pictured;
   int size() const { return static_cast<int>(vertices.size()); }
 };
 /// Pairs every landmark that the template knows; contour points are left out (save, with `chin`, 7 to 9: the same chin

@@ -6,12 +6,15 @@
 #include "core/error.h"
 #include "register/anchors.h"
 #include "register/face_finder.h"
+#include "register/geometric_landmarks.h"
 
 namespace vultus::registration {
 namespace {
 
 // Enough points to go on without looking for more.
 constexpr std::size_t enough_given = 10;
+// Share of the views that see a face from where it faces, or the margin of its shape over the next best place.
+constexpr double least_agreement = 0.5;
 
 std::string number(double value, const char* format = "%.2f") {
   char text[32];
@@ -21,27 +24,53 @@ std::string number(double value, const char* format = "%.2f") {
 
 }  // namespace
 
-Preparation::Preparation(const Template& head, Mesh shape, std::shared_ptr<const FaceFinder> finder)
-    : head_(head), shape_(std::move(shape)), finder_(std::move(finder)) {}
+Preparation::Preparation(const RefinedTemplate& model, const RegisterOptions& options)
+    : model_(model), options_(options), finder_(options.finder) {}
 
 const FaceFinder& Preparation::finder() const {
-  std::call_once(finder_once_, [&] {
-    if (!finder_) finder_ = std::make_shared<const FaceFinder>();
-  });
+  const std::lock_guard<std::mutex> lock(finder_lock_);
+  if (!finder_) finder_ = std::make_shared<const FaceFinder>();
   return *finder_;
 }
 
 const ScanLandmarks* Preparation::template_sighting() const {
   std::call_once(sighting_once_, [&] {
     try {
-      sighting_ = detect_landmarks(shape_, finder());
+      Mesh shape;
+      shape.topology = model_.loop.refined();
+      shape.positions = model_.neutral;
+      sighting_ = detect_landmarks(shape, finder());
     } catch (const InputError&) {
+    } catch (const ToolError&) {
     }
   });
   return sighting_ ? &sighting_->points : nullptr;
 }
 
-Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given) const {
+DetectedLandmarks Preparation::found(const Mesh& scan, const Points* neutral) const {
+  const auto by_shape = [&] {
+    return detect_landmarks_by_shape(model_, neutral ? *neutral : model_.neutral, neutral != nullptr, scan);
+  };
+  const bool can_picture = model_.head.ibug68.has_value();
+  if (options_.landmarks_by == LandmarkFinder::pictures && !can_picture)
+    throw InputError("the template names no 68-point landmarks, which are what dlib finds; let shape find its own");
+  if (options_.landmarks_by == LandmarkFinder::shape || !can_picture) return by_shape();
+  if (options_.landmarks_by == LandmarkFinder::pictures) return detect_landmarks(scan, finder());
+  std::string why;
+  try {
+    return detect_landmarks(scan, finder());
+  } catch (const InputError&) {
+    why = "pictures of the scan show no face";
+  } catch (const ToolError&) {
+    why = "dlib's model is not there (apt install libdlib-data)";
+  }
+  DetectedLandmarks result = by_shape();
+  result.decisions.front() = why + ": " + result.decisions.front();
+  return result;
+}
+
+Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given,
+                                 const Points* neutral) const {
   Prepared prepared;
   prepared.scan = scan;
   if (given && given->size() >= enough_given) {
@@ -51,14 +80,16 @@ Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandm
     prepared.decisions.push_back(std::to_string(given->size()) + " landmarks given");
     return prepared;
   }
-  if (!head_.ibug68)
-    throw InputError("the template names no 68-point landmarks, so none can be found on the scan; give at least " +
-                     std::to_string(enough_given) + " of its own landmarks by file");
-  const DetectedLandmarks found = detect_landmarks(scan, finder());
+  const DetectedLandmarks found = this->found(scan, neutral);
   prepared.automatic = true;
   prepared.coloured = found.coloured;
   prepared.landmarks = given ? overridden(found.points, *given) : found.points;
   prepared.decisions = found.decisions;
+  prepared.other_faces = found.other_faces;
+  if (found.agreement < least_agreement)
+    prepared.doubts.push_back("the face was hard to find (agreement " + number(found.agreement) +
+                              " of 1); see where "
+                              "its landmarks lie");
   if (given) prepared.decisions.push_back(std::to_string(given->size()) + " of the landmarks given by hand");
   prepared.scale = unit_correction(found.outer_eye_distance);
   if (prepared.scale != 1.0) {

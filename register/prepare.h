@@ -8,6 +8,8 @@
 
 #include "register/detect_landmarks.h"
 #include "register/landmarks.h"
+#include "register/refined_template.h"
+#include "register/register_options.h"
 
 namespace vultus::registration {
 
@@ -28,21 +30,25 @@ struct Prepared {
 /// Finds the landmarks of scans and of the template as the same finder sees it. Const methods may run at once.
 class Preparation {
  public:
-  /// `finder` is loaded on first need when null. `head` and `shape` (the template's refined surface) must outlive this.
-  Preparation(const Template& head, Mesh shape, std::shared_ptr<const FaceFinder> finder);
+  /// Both must outlive this. `options.finder` is loaded on first need when null.
+  Preparation(const RefinedTemplate& model, const RegisterOptions& options);
 
-  /// Landmarks given, found, or both, and the unit as the eyes tell it.
-  /// Throws `InputError` when no face is found, `ToolError` without the model.
-  Prepared operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given) const;
-  /// What the finder makes of the template's bare shape; null when it sees no face there.
+  /// Landmarks given, found, or both, and the unit as the eyes tell it. `neutral` (refined topology, mm) is the same
+  /// person's, where it is known: shape alone then finds expressions better.
+  /// Throws `InputError` when no face is found, `ToolError` without the model where only pictures are allowed.
+  Prepared operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given,
+                      const Points* neutral = nullptr) const;
+  /// What the finder makes of the template's bare shape; null when it sees no face there or there is no finder.
   const ScanLandmarks* template_sighting() const;
 
  private:
   const FaceFinder& finder() const;
+  DetectedLandmarks found(const Mesh& scan, const Points* neutral) const;
 
-  const Template& head_;
-  Mesh shape_;
-  mutable std::once_flag finder_once_, sighting_once_;
+  const RefinedTemplate& model_;
+  const RegisterOptions& options_;
+  mutable std::mutex finder_lock_;
+  mutable std::once_flag sighting_once_;
   mutable std::shared_ptr<const FaceFinder> finder_;
   mutable std::optional<DetectedLandmarks> sighting_;
 };

@@ -27,6 +27,16 @@ std::string name_of(Method method) {
   return "default";
 }
 
+std::vector<std::string> landmark_finder_names() { return {"automatic", "dlib", "geometry"}; }
+
+LandmarkFinder landmark_finder_named(const std::string& name) {
+  if (name == "automatic") return LandmarkFinder::automatic;
+  if (name == "dlib") return LandmarkFinder::pictures;
+  if (name == "geometry") return LandmarkFinder::shape;
+  throw UsageError("unknown landmark finder \"" + name + "\"; did you mean \"" +
+                   nearest_name(name, landmark_finder_names()) + "\"?");
+}
+
 RegisterOptions register_options(const std::string& method, const std::string& energy_solver) {
   RegisterOptions options;
   options.method = method_named(method);
@@ -40,7 +50,10 @@ RegisterOptions register_options(const std::string& method, const std::string& e
 
 std::string method_in_words(const RegisterOptions& options) {
   const bool by_simplex = options.method == Method::sanchez && options.energy_solver == EnergySolver::simplex;
-  return name_of(options.method) + (by_simplex ? ", simplex" : "");
+  std::string words = name_of(options.method) + (by_simplex ? ", simplex" : "");
+  if (options.landmarks_by == LandmarkFinder::pictures) words += ", landmarks by dlib";
+  if (options.landmarks_by == LandmarkFinder::shape) words += ", landmarks by geometry";
+  return words;
 }
 
 void RegisterOptions::validate() const {
