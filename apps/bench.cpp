@@ -39,7 +39,7 @@ void add_bench_registration(CommandTable& table) {
                             "vultus bench registration --set ict --method default --people 1 --pose jawOpen\n"
                             "  vultus bench registration --json figures.json",
                             {.seed = true}, [options](Run& run) { return bench_registration(*options, run); });
-  app.add_option("--set", options->sets, "virtual, ict, meshmonk or real; may be given again")->capture_default_str();
+  app.add_option("--set", options->sets, "virtual, ict, meshmonk, real or large; may be given again")->capture_default_str();
   app.add_option("--method", options->methods, "default, zhu, …; may be given again (default: all)");
   app.add_option("--people", options->set.people, "At most so many of each set (0: all)")->check(CLI::Range(0, 1000));
   app.add_option("--pose", options->poses, "May be given again (default: all); the neutral always comes");

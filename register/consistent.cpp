@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "register/found_landmarks.h"
 #include "register/method.h"
 #include "register/sanchez.h"
 #include "register/scan_facts.h"
@@ -48,6 +49,14 @@ struct GivenScan {
   ScanFacts facts;
 };
 
+// A template without any names is looked at by the finder, which scans will need too.
+Template with_names(Template head, RegisterOptions& options) {
+  options.validate();
+  if (head.ibug68 || !head.landmarks.empty()) return head;
+  if (!options.finder) options.finder = std::make_shared<const FaceFinder>();
+  return with_found_landmarks(std::move(head), *options.finder);
+}
+
 }  // namespace
 
 struct Registration::Impl {
@@ -57,7 +66,7 @@ struct Registration::Impl {
 
   Impl(Template given, RegisterOptions given_options)
       : options(std::move(given_options)),
-        model((options.validate(), std::move(given))),
+        model(with_names(std::move(given), options)),
         preparation(model, options) {}
 
   Registered neutral(const GivenScan& given, const std::optional<ScanLandmarks>& landmarks, Progress& progress) const;

@@ -16,6 +16,8 @@ namespace vultus::registration {
 /// template's own landmarks as the finder sees them. Methods are const and may run for several scans at once.
 class Registration {
  public:
+  /// A template that names no landmarks gets those found on its own shape (register/found_landmarks.h; throws
+  /// `InputError` where there are none, `ToolError` without dlib's model).
   explicit Registration(Template head, RegisterOptions options = {});
   ~Registration();
 

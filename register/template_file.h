@@ -12,7 +12,8 @@ namespace vultus::registration {
 /// template has none; and/or `points`, name → vertex) and vertex `sets`; optional are `name`, `subdivisions` (0…4) and
 /// `major` (names of landmarks a person would place). Positions come out in mm in the file's own axes.
 ///
-/// An OBJ without a JSON beside it gives a template without landmarks, its units guessed from its size.
+/// An OBJ without a JSON beside it gives a template without landmarks, its units guessed from its size;
+/// `with_found_landmarks` names some.
 /// Throws `InputError` naming file, entry and what would be accepted.
 Template read_template(const std::filesystem::path& path);
 

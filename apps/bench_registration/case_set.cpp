@@ -6,12 +6,14 @@
 
 namespace vultus::apps::bench {
 
-std::vector<std::string> set_names() { return {"virtual", "ict", "meshmonk", "real"}; }
+std::vector<std::string> set_names() { return {"virtual", "ict", "meshmonk", "real", "large"}; }
 
 std::unique_ptr<CaseSet> case_set(const std::string& name, const SetOptions& options) {
   if (name == "virtual") return virtual_set(options);
   if (name == "ict") return ict_set(options);
-  if (name == "meshmonk" || name == "real") throw InputError("set " + name + ": not there");
+  if (name == "large") return large_set(options);
+  if (name == "meshmonk") return meshmonk_set(options);
+  if (name == "real") throw InputError("set " + name + ": not there");
   throw UsageError("unknown set \"" + name + "\"; did you mean \"" + nearest_name(name, set_names()) + "\"?");
 }
 

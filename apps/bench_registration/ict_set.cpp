@@ -39,17 +39,17 @@ constexpr double sigma = 1.5;  // of the identity coefficients
 
 class IctSet final : public CaseSet {
  public:
-  explicit IctSet(const SetOptions& options) : options_(options), bank_(read_bank(options)) {
-    if (options_.people <= 0) options_.people = 5;
+  IctSet(const std::string& name, const SetOptions& options, const std::vector<std::string>& poses)
+      : name_(name), options_(options), poses_(poses), bank_(read_bank(options)) {
     measured_ = measured_vertices(*head().topology, head().neutral, "face_narrow");
     // What lies on the eye without being seen there: wet film, shadow and lashes of the model.
     visible_.assign(measured_.size(), true);
-    for (const auto& [name, vertices] : head().topology->sets())
-      if (name.starts_with("eye_blend") || name.starts_with("eye_occlusion") || name.starts_with("eyelashes"))
+    for (const auto& [part, vertices] : head().topology->sets())
+      if (part.starts_with("eye_blend") || part.starts_with("eye_occlusion") || part.starts_with("eyelashes"))
         for (const int v : vertices) visible_[v] = false;
   }
 
-  std::string name() const override { return "ict"; }
+  std::string name() const override { return name_; }
   const registration::Template& head() const override { return bank_.head; }
   const std::vector<bool>& measured() const override { return measured_; }
   std::vector<std::string> people() const override {
@@ -57,11 +57,7 @@ class IctSet final : public CaseSet {
     for (int p = 0; p < options_.people; ++p) names.push_back("person " + std::to_string(p + 1));
     return names;
   }
-  std::vector<std::string> poses() const override {
-    std::vector<std::string> names;
-    for (const IctPose& pose : ict_poses()) names.emplace_back(pose.name);
-    return names;
-  }
+  std::vector<std::string> poses() const override { return poses_; }
 
   ScanCase make(int person, const std::string& pose) const override {
     Mesh whole{head().topology, shape(person, pose), {}, {}};
@@ -116,13 +112,26 @@ class IctSet final : public CaseSet {
     return positions;
   }
 
+  std::string name_;
   SetOptions options_;
+  std::vector<std::string> poses_;
   rig::Databank bank_;
   std::vector<bool> measured_, visible_;
 };
 
 }  // namespace
 
-std::unique_ptr<CaseSet> ict_set(const SetOptions& options) { return std::make_unique<IctSet>(options); }
+std::unique_ptr<CaseSet> ict_set(SetOptions options) {
+  if (options.people <= 0) options.people = 5;
+  std::vector<std::string> poses;
+  for (const IctPose& pose : ict_poses()) poses.emplace_back(pose.name);
+  return std::make_unique<IctSet>("ict", options, poses);
+}
+
+std::unique_ptr<CaseSet> large_set(SetOptions options) {
+  if (options.people <= 0) options.people = 2;
+  if (options.triangles <= 0) options.triangles = 700'000;
+  return std::make_unique<IctSet>("large", options, std::vector<std::string>{"neutral"});
+}
 
 }  // namespace vultus::apps::bench

@@ -105,9 +105,9 @@ class SetRun {
       const auto start = std::chrono::steady_clock::now();
       Registered found;
       if (neutral)
-        found = contender.registration->neutral(cleaned.mesh);
+        found = contender.registration->neutral(cleaned);
       else
-        found = contender.registration->expression(*contender.neutral, cleaned.mesh);
+        found = contender.registration->expression(*contender.neutral, cleaned);
       row.register_seconds = seconds_since(start);
       row.quality = found.quality;
       row.peak_bytes = peak_memory();
@@ -122,9 +122,10 @@ class SetRun {
   }
 
   void hold_against(const Truth& truth, const Registered& found, double mm_per_unit, CaseRow& row) const {
+    const registration::Template& head = contenders_.front().registration->head();
     row.distances = measure(truth, found, set_.measured(), mm_per_unit);
     const Points positions = in_scan_frame(found, mm_per_unit);
-    row.openings = openings(set_.head(), truth.vertices, positions);
+    row.openings = openings(head, truth.vertices, positions);
     row.turned_triangles = turned_triangles(*found.mesh.topology, set_.measured(), positions, truth.vertices);
   }
 
