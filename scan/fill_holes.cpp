@@ -3,6 +3,7 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scan/soup.h"
@@ -43,34 +44,7 @@ int nearest_rim_vertex(const SurfaceMesh& mesh, const std::vector<int>& rim, con
   return best;
 }
 
-void append(Soup& soup, const SurfaceMesh& mesh, const std::vector<Vertex>& vertices,
-            const std::vector<SurfaceMesh::Face_index>& faces, const std::vector<int>& rim,
-            const std::vector<int>& uv_of_vertex) {
-  const int first = static_cast<int>(soup.positions.rows());
-  std::vector<int> parent;
-  soup.positions.conservativeResize(first + vertices.size(), 3);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const auto& point = mesh.point(vertices[i]);
-    soup.positions.row(first + i) << point.x(), point.y(), point.z();
-    parent.push_back(nearest_rim_vertex(mesh, rim, point));
-  }
-  if (soup.colours.rows() == first) {
-    soup.colours.conservativeResize(first + vertices.size(), 3);
-    for (std::size_t i = 0; i < parent.size(); ++i) soup.colours.row(first + i) = soup.colours.row(parent[i]);
-  }
-  for (const auto face : faces) {
-    std::array<int, 3> triangle{}, uvs{};
-    int k = 0;
-    for (const Vertex vertex : CGAL::vertices_around_face(mesh.halfedge(face), mesh)) {
-      triangle[k] = static_cast<int>(vertex);
-      if (!uv_of_vertex.empty()) uvs[k] = uv_of_vertex[triangle[k] < first ? triangle[k] : parent[triangle[k] - first]];
-      ++k;
-    }
-    soup.triangles.push_back(triangle);
-    if (!soup.uv_rows.empty()) soup.uv_rows.push_back(uvs);
-  }
-}
-
+// UV row of each vertex by any of its corners; empty without UVs.
 std::vector<int> uv_row_of_vertices(const Soup& soup) {
   std::vector<int> row;
   if (soup.uv_rows.empty()) return row;
@@ -80,27 +54,59 @@ std::vector<int> uv_row_of_vertices(const Soup& soup) {
   return row;
 }
 
+// What filling added: the soup grows once, however many holes there are.
+struct Fills {
+  std::vector<int> parent;  // of each new vertex: the one on the rim whose colour and UV row it takes
+  std::vector<SurfaceMesh::Face_index> faces;
+};
+
+void append(Soup& soup, const SurfaceMesh& mesh, const Fills& fills) {
+  const auto first = static_cast<int>(soup.positions.rows());
+  const auto added = static_cast<Eigen::Index>(fills.parent.size());
+  const std::vector<int> uv_of_vertex = uv_row_of_vertices(soup);
+  const bool coloured = soup.colours.rows() == first;
+  soup.positions.conservativeResize(first + added, 3);
+  if (coloured) soup.colours.conservativeResize(first + added, 3);
+  for (int i = 0; i < added; ++i) {
+    const auto& point = mesh.point(Vertex(first + i));
+    soup.positions.row(first + i) << point.x(), point.y(), point.z();
+    if (coloured) soup.colours.row(first + i) = soup.colours.row(fills.parent[i]);
+  }
+  for (const auto face : fills.faces) {
+    std::array<int, 3> triangle{}, uvs{};
+    int k = 0;
+    for (const Vertex vertex : CGAL::vertices_around_face(mesh.halfedge(face), mesh)) {
+      const int v = triangle[k] = static_cast<int>(vertex);
+      if (!uv_of_vertex.empty()) uvs[k] = uv_of_vertex[v < first ? v : fills.parent[v - first]];
+      ++k;
+    }
+    soup.triangles.push_back(triangle);
+    if (!soup.uv_rows.empty()) soup.uv_rows.push_back(uvs);
+  }
+}
+
 }  // namespace
 
 int fill_holes(Soup& soup, double longest) {
   SurfaceMesh mesh = surface_mesh(soup);
   std::vector<Halfedge> borders;
   PMP::extract_boundary_cycles(mesh, std::back_inserter(borders));
+  Fills fills;
   int filled = 0;
   for (const Halfedge border : borders) {
     if (border_length(mesh, border) > longest) continue;
     std::vector<int> rim;
     for (const Halfedge h : CGAL::halfedges_around_face(border, mesh)) rim.push_back(static_cast<int>(mesh.target(h)));
-    std::vector<SurfaceMesh::Face_index> faces;
+    const std::size_t before = fills.faces.size();
     std::vector<Vertex> vertices;
-    const auto parameters = CGAL::parameters::vertex_point_map(mesh.points());
-    PMP::triangulate_refine_and_fair_hole(mesh, border, std::back_inserter(faces), std::back_inserter(vertices),
-                                          parameters);
-    if (faces.empty()) continue;
-    std::vector<int> uv_of_vertex = uv_row_of_vertices(soup);
-    append(soup, mesh, vertices, faces, rim, uv_of_vertex);
+    PMP::triangulate_refine_and_fair_hole(mesh, border, std::back_inserter(fills.faces), std::back_inserter(vertices),
+                                          CGAL::parameters::vertex_point_map(mesh.points()));
+    if (fills.faces.size() == before) continue;
+    std::sort(vertices.begin(), vertices.end());  // as they are numbered
+    for (const Vertex vertex : vertices) fills.parent.push_back(nearest_rim_vertex(mesh, rim, mesh.point(vertex)));
     ++filled;
   }
+  append(soup, mesh, fills);
   return filled;
 }
 

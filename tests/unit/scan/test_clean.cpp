@@ -191,6 +191,31 @@ TEST(CleanScan, FillsHolesOnlyWhenAskedAndMarksThem) {
   EXPECT_GT(filled.mesh.positions.rowwise().norm().minCoeff(), 99.0);
 }
 
+TEST(CleanScan, FillsOfSeveralHolesTakeColourAndUvsFromTheirOwnRims) {
+  RawScan raw = band(40);
+  raw.triangles.erase(raw.triangles.begin() + 4000, raw.triangles.begin() + 4010);
+  raw.triangles.erase(raw.triangles.begin() + 2000, raw.triangles.begin() + 2010);
+  Mesh scan = raw.mesh();
+  TopologyData data = scan.topology->data();
+  scan.colours = Points::Zero(scan.positions.rows(), 3);
+  scan.colours.col(1) = (scan.positions.col(1).array() > 0.0).cast<double>();  // one hole in the green half
+  data.uvs.resize(scan.positions.rows(), 2);
+  data.uvs << scan.colours.col(1), scan.colours.col(1);
+  data.corner_uv = data.corner_vertex;
+  scan.topology = Topology::make(data);
+  CleanOptions options;
+  options.largest_filled_hole = 150.0;
+  const CleanScan filled = clean_scan(scan, options);
+  ASSERT_EQ(filled.report.holes_filled, 2);
+  const Triangles &triangles = filled.mesh.topology->triangles(), &uvs = filled.mesh.topology->triangle_uvs();
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3 && filled.invented[t]; ++k) {
+      const double side = filled.mesh.positions(triangles(t, k), 1) > 0.0;
+      EXPECT_EQ(filled.mesh.colours(triangles(t, k), 1), side);
+      EXPECT_EQ(filled.mesh.topology->uvs()(uvs(t, k), 0), side);
+    }
+}
+
 TEST(CleanScan, DecimatesWithinTolerance) {
   CleanOptions options;
   options.target_triangles = 2000;
