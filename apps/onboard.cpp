@@ -50,6 +50,10 @@ void add_onboard(CommandTable& table) {
   add_choice(app, "--energy-solver", options->energy_solver, "What minimizes the energy of --method sanchez",
              registration::energy_solver_names());
   add_choice(app, "--transfer", options->transfer, "How motion comes from the databank", {"gradient", "zhu"});
+  app.add_option("--memory", options->memory_gb,
+                 "Gigabytes that scans side by side may take (0: four fifths of what is available)")
+      ->check(CLI::Range(0.0, 1e5))
+      ->type_name("GB");
   app.add_option("--regions", options->regions, "Regions the face is divided into")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -54,8 +54,9 @@ class Onboarding {
     for (const CapturedPose& pose : capture_.poses) {
       if (is_wanted(pose.name, options_)) scanned.push_back(pose);
     }
-    const ScannedPoses scans = register_scans(capture_, scanned, registration, template_hash,
-                                              method_in_words(register_options), writer_, progress_);
+    const ScannedPoses scans =
+        register_scans(capture_, scanned, registration, template_hash, method_in_words(register_options),
+                       static_cast<std::uint64_t>(options_.memory_gb * 1e9), writer_, progress_);
     result_.registered = scans.registered;
     result_.reused = scans.reused;
     result_.failed = scans.failed;
@@ -137,12 +138,11 @@ class Onboarding {
     }
     json warnings = result_.warnings;
     for (const std::string& line : result_.failed) warnings.push_back("left out: " + line);
-    result_.report = {
-        {"template", template_name},
-        {"method", options_.method},
-        {"poses", poses},
-        {"decisions", decisions_},
-        {"warnings", warnings}};
+    result_.report = {{"template", template_name},
+                      {"method", options_.method},
+                      {"poses", poses},
+                      {"decisions", decisions_},
+                      {"warnings", warnings}};
     write_json(options_.actor / "report/registration.json", result_.report);
     writer_.manifest().record("report/registration.json", {"onboard", json::object(), {}});
     forget_other_reports(kept);

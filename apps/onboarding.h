@@ -22,6 +22,7 @@ struct OnboardOptions {
   int regions = 6;                         ///< the face is divided into, 1 to 64
   std::uint64_t seed = 1;
   bool force = false;
+  double memory_gb = 0.0;  ///< 10⁹ bytes that scans processed side by side may take; 0: four fifths of the available
 };
 
 /// What became of each pose, and what there is to tell.

@@ -1,11 +1,14 @@
 #include "apps/scanned_poses.h"
 
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <mutex>
 #include <optional>
 
+#include "apps/memory_budget.h"
 #include "apps/registration_report.h"
 #include "apps/scan_file.h"
 #include "core/array_io.h"
@@ -226,6 +229,50 @@ std::vector<Work> work_for(const Capture& capture, const std::vector<CapturedPos
   return work;
 }
 
+std::string gigabytes(std::uint64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f GB", static_cast<double>(bytes) / 1e9);
+  return text;
+}
+
+// Four fifths of what is available, unless told; said in the log.
+std::uint64_t memory_budget(std::uint64_t told, const std::vector<std::uint64_t>& costs, std::size_t threads,
+                            Progress& progress) {
+  const std::uint64_t available = available_memory();
+  const std::uint64_t budget = told > 0 ? told : available > 0 ? available / 5 * 4 : 4'000'000'000;
+  progress.note("memory: up to " + gigabytes(budget) + (told > 0 ? "" : " of " + gigabytes(available) + " available") +
+                ", " + std::to_string(most_at_once(costs, budget, threads)) + " of " + std::to_string(costs.size()) +
+                " scans side by side");
+  return budget;
+}
+
+void register_expressions(const std::vector<Work>& work, Scans& scans, const Registered& neutral,
+                          std::uint64_t memory_bytes, Writer& output, Progress& progress, ScannedPoses& result) {
+  if (work.empty()) return;
+  std::vector<std::uint64_t> costs;
+  for (const Work& one : work) costs.push_back(memory_for_scan(one.pose.scan));
+  const auto threads = static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
+  const std::uint64_t budget = memory_budget(memory_bytes, costs, threads, progress);
+  for (std::size_t i = 0; i < work.size(); ++i)
+    if (costs[i] > budget)
+      progress.note(work[i].pose.name + ": may take " + gigabytes(costs[i]) + ", more than allowed; runs alone");
+  std::mutex writing;
+  std::vector<std::string> problems(work.size());
+  run_within(budget, costs, threads, [&](std::size_t i) {
+    progress.check();
+    const Attempt attempt = scans.expression(neutral, work[i].pose);
+    const std::scoped_lock lock(writing);
+    if (attempt.registered) {
+      output.write(work[i], attempt, progress);
+      ++result.registered;
+    } else {
+      problems[i] = work[i].pose.name + ": " + attempt.problem;
+    }
+    progress.advance();
+  });
+  std::copy_if(problems.begin(), problems.end(), std::back_inserter(result.failed), [](auto& p) { return !p.empty(); });
+}
+
 }  // namespace
 
 bool is_report_of(const std::string& pose, const std::string& artefact) {
@@ -234,7 +281,8 @@ bool is_report_of(const std::string& pose, const std::string& artefact) {
 
 ScannedPoses register_scans(const Capture& capture, const std::vector<CapturedPose>& poses,
                             const registration::Registration& registration, const std::string& template_hash,
-                            const std::string& method, rig::ActorWriter& writer, Progress& progress) {
+                            const std::string& method, std::uint64_t memory_bytes, rig::ActorWriter& writer,
+                            Progress& progress) {
   ScannedPoses result;
   Writer output(writer);
   std::vector<Work> stale;
@@ -258,24 +306,8 @@ ScannedPoses register_scans(const Capture& capture, const std::vector<CapturedPo
     ++result.registered;
     next = 1;
   }
-  constexpr int most_at_once = 4;  // each holds a scan of some 100 MB with its trees
-  const auto batch = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency(), 1, most_at_once));
-  for (; next < stale.size(); next += batch) {
-    progress.check();
-    std::vector<Attempt> attempts(std::min(batch, stale.size() - next));
-    tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t k) {
-      attempts[k] = scans.expression(*neutral.registered, stale[next + k].pose);
-    });
-    for (std::size_t k = 0; k < attempts.size(); ++k) {
-      if (attempts[k].registered) {
-        output.write(stale[next + k], attempts[k], progress);
-        ++result.registered;
-      } else {
-        result.failed.push_back(stale[next + k].pose.name + ": " + attempts[k].problem);
-      }
-      progress.advance();
-    }
-  }
+  const std::vector<Work> expressions(stale.begin() + static_cast<std::ptrdiff_t>(next), stale.end());
+  register_expressions(expressions, scans, *neutral.registered, memory_bytes, output, progress, result);
   return result;
 }
 
