@@ -27,16 +27,14 @@ std::vector<std::string> all_methods() {
   return methods;
 }
 
-const registration::SetQuality& face_quality(const registration::Quality& quality) {
-  static const registration::SetQuality none;
-  for (const char* name : {"face", "all"})
-    if (const auto found = quality.sets.find(name); found != quality.sets.end()) return found->second;
-  return none;
+// Median distance to points that others placed; where there are none, of the landmarks that took part.
+double landmark_residual(const CaseRow& row) {
+  return row.landmarks.empty() ? row.quality.landmark_mean : quantile(row.landmarks, 0.5);
 }
 
 struct Pools {
   Pool surface, vertex, open_jaw, scan;
-  std::vector<float> scan_p95, landmarks, seconds;
+  std::vector<float> landmarks, placed, seconds;
   double worst_median = NAN;
   double peak_bytes = 0.0;
   int cases = 0, failed = 0, flipped = 0, turned = 0, openings = 0, right_openings = 0;
@@ -54,6 +52,7 @@ Pools pooled(const std::vector<CaseRow>& rows, const std::string& method) {
       ++pools.failed;
       continue;
     }
+    pools.placed.insert(pools.placed.end(), row.landmarks.begin(), row.landmarks.end());
     pools.seconds.push_back(static_cast<float>(row.seconds()));
     pools.landmarks.push_back(static_cast<float>(row.quality.landmark_mean));
     pools.flipped += row.quality.flipped_triangles;
@@ -64,9 +63,7 @@ Pools pooled(const std::vector<CaseRow>& rows, const std::string& method) {
       pools.right_openings += opening.right();
     }
     ++pools.verdicts[static_cast<int>(row.quality.verdict)];
-    const auto& face = face_quality(row.quality);
-    pools.scan.add({static_cast<float>(face.scan_to_mesh_mean)});
-    pools.scan_p95.push_back(static_cast<float>(face.scan_to_mesh_p95));
+    pools.scan.add(row.scan);
     if (!row.distances) continue;
     pools.surface.add(row.distances->surface);
     pools.vertex.add(row.distances->vertex);
@@ -81,7 +78,7 @@ json method_json(const std::vector<CaseRow>& rows, const std::string& method) {
   const Pools pools = pooled(rows, method);
   const bool truth = !pools.surface.empty();
   json result = {{"scan_mean_mm", number(truth ? pools.surface.mean() : pools.scan.mean())},
-                 {"scan_p95_mm", number(truth ? pools.surface.quantile(0.95) : mean(pools.scan_p95))},
+                 {"scan_p95_mm", number(truth ? pools.surface.quantile(0.95) : pools.scan.quantile(0.95))},
                  {"vertex_median_mm", number(pools.vertex.quantile(0.5))},
                  {"vertex_p95_mm", number(pools.vertex.quantile(0.95))},
                  {"seconds_per_scan", number(mean(pools.seconds))}};
@@ -89,7 +86,7 @@ json method_json(const std::vector<CaseRow>& rows, const std::string& method) {
   result["noisy_scan_mean_mm"] = number(pools.scan.mean());
   result["worst_vertex_median_mm"] = number(pools.worst_median);
   result["open_jaw_vertex_p95_mm"] = number(pools.open_jaw.quantile(0.95));
-  result["landmark_residual_mm"] = number(quantile(pools.landmarks, 0.5));
+  result["landmark_residual_mm"] = number(quantile(pools.placed.empty() ? pools.landmarks : pools.placed, 0.5));
   result["seconds_worst"] = number(quantile(pools.seconds, 1.0));
   result["cases"] = pools.cases;
   result["failed"] = pools.failed;
@@ -106,15 +103,14 @@ json method_json(const std::vector<CaseRow>& rows, const std::string& method) {
 std::string row_line(const CaseRow& row) {
   const std::string head = fmt::format("{:8} {:8} {:9} {:14}", row.set, row.method, row.person, row.pose);
   if (!row.error.empty()) return head + " no result: " + row.error;
-  const auto& face = face_quality(row.quality);
   std::string line = head;
   if (row.distances)
     line += fmt::format(" surface {:6.3f} {:6.3f}  vertex {:5.2f} {:6.2f}", mean(row.distances->surface),
                         quantile(row.distances->surface, 0.95), quantile(row.distances->vertex, 0.5),
                         quantile(row.distances->vertex, 0.95));
-  line += fmt::format("  scan {:.3f}  landmarks {:.2f}  {:5.1f} s  flips {}  {}", face.scan_to_mesh_mean,
-                      row.quality.landmark_mean, row.seconds(), row.quality.flipped_triangles,
-                      registration::verdict_name(row.quality.verdict));
+  line +=
+      fmt::format("  scan {:.3f}  landmarks {:.2f}  {:5.1f} s  flips {}  {}", mean(row.scan), landmark_residual(row),
+                  row.seconds(), row.quality.flipped_triangles, registration::verdict_name(row.quality.verdict));
   for (const Opening& opening : row.openings)
     if (!opening.right())
       line += fmt::format("; {} {:.1f} mm open instead of {:.1f}", opening.name, opening.found, opening.truly);
@@ -162,13 +158,15 @@ json cases_json(const std::vector<SetResult>& results) {
         cases.push_back(std::move(entry));
         continue;
       }
-      const auto& face = face_quality(row.quality);
       entry["scan_triangles"] = row.scan_triangles;
       entry["clean_seconds"] = row.clean_seconds;
       entry["register_seconds"] = row.register_seconds;
-      entry["noisy_scan_mean_mm"] = face.scan_to_mesh_mean;
-      entry["coverage"] = face.coverage;
-      entry["landmark_residual_mm"] = row.quality.landmark_mean;
+      entry["noisy_scan_mean_mm"] = number(mean(row.scan));
+      if (const auto face = row.quality.sets.find("face"); face != row.quality.sets.end()) {
+        entry["reported_scan_mean_mm"] = number(face->second.scan_to_mesh_mean);
+        entry["reported_coverage"] = face->second.coverage;
+      }
+      entry["landmark_residual_mm"] = landmark_residual(row);
       entry["flipped_triangles"] = row.quality.flipped_triangles;
       if (row.distances) entry["turned_triangles"] = row.turned_triangles;
       entry["peak_memory_bytes"] = row.peak_bytes;

@@ -13,7 +13,7 @@ std::unique_ptr<CaseSet> case_set(const std::string& name, const SetOptions& opt
   if (name == "ict") return ict_set(options);
   if (name == "large") return large_set(options);
   if (name == "meshmonk") return meshmonk_set(options);
-  if (name == "real") throw InputError("set " + name + ": not there");
+  if (name == "real") return real_set(options);
   throw UsageError("unknown set \"" + name + "\"; did you mean \"" + nearest_name(name, set_names()) + "\"?");
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench_registration/real_landmarks.h"
 #include "core/mesh.h"
 #include "register/template.h"
 
@@ -23,6 +24,7 @@ struct Truth {
 struct ScanCase {
   Mesh scan;                   ///< raw
   std::optional<Truth> truth;  ///< none for scans of real people
+  PlacedLandmarks placed;      ///< by others, in the scan's own unit; on some real scans
 };
 
 struct SetOptions {
@@ -58,6 +60,9 @@ std::unique_ptr<CaseSet> large_set(SetOptions options);
 /// Meshmonk's synthetic faces in its template's topology, resampled to 200,000 triangles with noise and without holes;
 /// the template's landmarks are found. Throws `InputError` where the data is missing.
 std::unique_ptr<CaseSet> meshmonk_set(const SetOptions& options);
+/// Raw scans of real people, DemoFace and james, with the landmarks that come with them; the template is ICT-FaceKit's.
+/// Throws `InputError` where the data is missing.
+std::unique_ptr<CaseSet> real_set(const SetOptions& options);
 
 /// Names of all sets, in the table's order.
 std::vector<std::string> set_names();

@@ -39,6 +39,57 @@ Points surface_places(const Mesh& surface, const std::vector<int>& triangles, in
   return places;
 }
 
+namespace {
+
+// The registered mesh without what lies hidden in the head.
+SubMesh skin_of(const registration::Registered& registered, const Points& positions) {
+  Mesh found = registered.mesh;
+  found.positions = positions;
+  found.colours.resize(0, 3);
+  return sub_mesh(found, registration::fitted_vertices(*found.topology));
+}
+
+}  // namespace
+
+std::vector<float> scan_distances(const scan::CleanScan& cleaned, const registration::Registered& registered,
+                                  const std::vector<bool>& measured, double data_within) {
+  const SubMesh skin = skin_of(registered, transformed(registered.face_from_scan.inverse(), registered.mesh.positions));
+  std::vector<bool> marked(skin.parent_vertex.size());
+  for (std::size_t v = 0; v < marked.size(); ++v) marked[v] = measured[skin.parent_vertex[v]];
+  std::vector<bool> counts(static_cast<std::size_t>(skin.mesh.topology->triangles().rows()), false);
+  for (const int t : marked_triangles(*skin.mesh.topology, marked)) counts[t] = true;
+
+  std::vector<char> trusted(static_cast<std::size_t>(cleaned.mesh.positions.rows()), 1);
+  const Triangles& triangles = cleaned.mesh.topology->triangles();
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    if (!cleaned.invented.empty() && cleaned.invented[t])
+      for (int c = 0; c < 3; ++c) trusted[triangles(t, c)] = 0;
+
+  const RayScene scene(*skin.mesh.topology, skin.mesh.positions);
+  constexpr float none = -1.0F;
+  std::vector<float> distances(trusted.size(), none);
+  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t v) {
+    if (!trusted[v]) return;
+    const auto nearest = scene.closest(cleaned.mesh.positions.row(static_cast<Eigen::Index>(v)), data_within);
+    if (nearest && counts[nearest->place.triangle]) distances[v] = static_cast<float>(nearest->distance);
+  });
+  std::erase(distances, none);
+  return distances;
+}
+
+std::vector<float> landmark_distances(const registration::Template& head, const registration::Registered& registered,
+                                      const PlacedLandmarks& placed, double mm_per_unit) {
+  std::vector<float> distances;
+  if (!head.ibug68) return distances;
+  for (const auto& [index, point] : placed) {
+    const int vertex = (*head.ibug68)[index];
+    if (vertex < 0) continue;
+    const Eigen::Vector3d there = registered.face_from_scan * (mm_per_unit * point);
+    distances.push_back(static_cast<float>((there.transpose() - registered.mesh.positions.row(vertex)).norm()));
+  }
+  return distances;
+}
+
 Distances measure(const Truth& truth, const registration::Registered& registered, const std::vector<bool>& measured,
                   double mm_per_unit) {
   const Topology& topology = *registered.mesh.topology;
@@ -50,10 +101,7 @@ Distances measure(const Truth& truth, const registration::Registered& registered
   for (int v = 0; v < topology.vertex_count(); ++v)
     if (measured[v]) distances.vertex.push_back(static_cast<float>((positions.row(v) - truth.vertices.row(v)).norm()));
 
-  Mesh found = registered.mesh;
-  found.positions = positions;
-  found.colours.resize(0, 3);
-  const SubMesh skin = sub_mesh(found, registration::fitted_vertices(topology));
+  const SubMesh skin = skin_of(registered, positions);
   const RayScene scene(*skin.mesh.topology, skin.mesh.positions);
   constexpr int count = 20'000;  // 1 place a mm² of a face: its p95 is then good to 1 %
   const Points places = surface_places(truth.surface, truth.triangles, count, 1);

@@ -111,6 +111,9 @@ class SetRun {
       row.register_seconds = seconds_since(start);
       row.quality = found.quality;
       row.peak_bytes = peak_memory();
+      row.scan = scan_distances(cleaned, found, set_.measured());
+      row.landmarks =
+          landmark_distances(contender.registration->head(), found, scanned.placed, cleaned.report.units.mm_per_unit);
       if (scanned.truth) hold_against(*scanned.truth, found, cleaned.report.units.mm_per_unit, row);
       if (!options_.pictures.empty()) picture(scanned, cleaned, found, row);
       if (neutral) contender.neutral = std::move(found);

@@ -32,6 +32,8 @@ struct CaseRow {
   std::string error;                   ///< why there is no result; the rest is then empty
   std::optional<Distances> distances;  ///< where the truth is known
   std::optional<Leak> leak;
+  std::vector<float> scan;        ///< mm from the trusted part of the scan, noise and all, to the result
+  std::vector<float> landmarks;   ///< mm to points that others placed on the scan
   std::vector<Opening> openings;  ///< of mouth and eyes, where the truth is known
   int turned_triangles = 0;       ///< of the face, by more than a right angle from the truth, where it is known
   int scan_triangles = 0;
