@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/neighbours.h"
-#include "register/detect_landmarks.h"
 #include "register/fill.h"
 #include "register/subdivide.h"
 
@@ -39,24 +38,14 @@ Eigen::Matrix3d quarter_turns(const Eigen::Matrix3d& face_from_file) {
 
 }  // namespace
 
-Template with_found_landmarks(Template head, const FaceFinder& finder) {
-  const LoopSubdivision loop(head.topology, head.subdivisions);
-  Mesh shape;
-  shape.topology = loop.refined();
-  shape.positions = loop(head.neutral);
-  DetectedLandmarks seen;
-  try {
-    seen = detect_landmarks(shape, finder);
-  } catch (const InputError& problem) {
-    throw InputError("template \"" + head.name + "\" names no landmarks and none were found on its shape (" +
-                     problem.what() + "); write a template.json beside it that names some");
-  }
-
+Template with_seen_landmarks(Template head, const DetectedLandmarks& seen) {
   const std::vector<bool> fitted = fitted_vertices(*head.topology);
   std::vector<int> skin;
   for (int v = 0; v < head.topology->vertex_count(); ++v)
     if (fitted[v]) skin.push_back(v);
-  const PointTree tree(shape.positions(skin, Eigen::all));
+  // Control vertices keep their numbers on the refined surface, where they were seen.
+  const LoopSubdivision loop(head.topology, head.subdivisions);
+  const PointTree tree(loop(head.neutral)(skin, Eigen::all));
   Ibug68 scheme;
   scheme.fill(-1);
   int count = 0;
@@ -74,6 +63,18 @@ Template with_found_landmarks(Template head, const FaceFinder& finder) {
   head.ibug68 = scheme;
   head.neutral = head.neutral * quarter_turns(seen.scan_from_face.transpose()).transpose();
   return head;
+}
+
+Template with_found_landmarks(Template head, const FaceFinder& finder) {
+  const LoopSubdivision loop(head.topology, head.subdivisions);
+  DetectedLandmarks seen;
+  try {
+    seen = detect_landmarks({loop.refined(), loop(head.neutral), {}, {}}, finder);
+  } catch (const InputError& problem) {
+    throw InputError("template \"" + head.name + "\" names no landmarks and none were found on its shape (" +
+                     problem.what() + "); write a template.json beside it that names some");
+  }
+  return with_seen_landmarks(std::move(head), seen);
 }
 
 }  // namespace vultus::registration

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "register/detect_landmarks.h"
 #include "register/face_finder.h"
 #include "register/template.h"
 
@@ -11,5 +12,8 @@ namespace vultus::registration {
 /// +z is turned by quarter turns until it is.
 /// Throws `InputError` when no face is seen or hardly a landmark of it.
 Template with_found_landmarks(Template head, const FaceFinder& finder);
+
+/// The same from what was seen on the template's refined shape.
+Template with_seen_landmarks(Template head, const DetectedLandmarks& seen);
 
 }  // namespace vultus::registration
