@@ -17,6 +17,11 @@
 namespace vultus::registration {
 namespace {
 
+// Weights of eq. 17. Towards another person the template's shape is held more firmly than one's own neutral is in an
+// expression: landmarks found on a neutral mislead by millimetres along the skin, which only the shape can tell.
+constexpr EnergyWeights another_person{1.0, 10.0, 100.0};
+constexpr EnergyWeights same_person{1.0, 2.0, 30.0};
+
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
@@ -31,12 +36,14 @@ std::string in_words(const EnergyRegistration& energy, int controls) {
 
 /// The part both kinds of scan share: `reference` is the shape to keep, `start` the control points' start.
 Points fitted_by_energy(const FitInput& input, const SkinControls& controls, const Points& reference,
-                        const Points& start, bool same_person, Fit& fit, Progress& progress) {
+                        const Points& start, const EnergyWeights& weights, Fit& fit, Progress& progress) {
   const RefinedTemplate& model = input.model;
   PlanarBoneOptions reach;
   reach.everywhere = true;
   const PlanarBones bones(controls.on(reference), reference, controls.masks, reach);
-  RegistrationEnergy energy(model.topology(), reference, bones, model.fitted, input.scan);
+  EnergyOptions terms;
+  terms.weights = weights;
+  RegistrationEnergy energy(model.topology(), reference, bones, model.fitted, input.scan, terms);
   EnergyRegistrationOptions options;
   options.solver = input.options.energy_solver;
   const EnergyRegistration found = minimize_energy(energy, start, options, progress);
@@ -47,7 +54,6 @@ Points fitted_by_energy(const FitInput& input, const SkinControls& controls, con
   positions = unfolded(model.topology(), reference, positions);
   positions = project_smoothly(model.topology(), positions, model.fitted, input.scan);
   positions = unfolded(model.topology(), reference, positions);
-  carry_components(model.topology(), reference, model.fitted, !same_person, positions);
   return positions;
 }
 
@@ -105,7 +111,8 @@ Fit fit_sanchez_neutral(const FitInput& input, Progress& progress) {
   const Points from = neutral_start(input, fit.anchors, scan_from_template);
   const SkinControls controls = make_controls(model.head, model.topology(), model.neutral, model.fitted);
   fit.positions =
-      fitted_by_energy(input, controls, reference, from(controls.vertices, Eigen::all), false, fit, progress);
+      fitted_by_energy(input, controls, reference, from(controls.vertices, Eigen::all), another_person, fit, progress);
+  carry_components(model.topology(), reference, model.fitted, true, fit.positions);
   fit.face_from_scan = upright(model.head, fit.positions, model.neutral);
   return fit;
 }
@@ -122,7 +129,8 @@ Fit fit_sanchez_expression(const FitInput& input, const Registered& neutral, Pro
   const SkinControls controls = make_controls(model.head, model.topology(), model.neutral, model.fitted);
   const Points from = moved_controls(controls, start.rest, start.anchors, jaw.terms);
   fit.anchors = std::move(start.anchors);
-  fit.positions = fitted_by_energy(input, controls, start.rest, from, true, fit, progress);
+  fit.positions = fitted_by_energy(input, controls, start.rest, from, same_person, fit, progress);
+  carry_components(model.topology(), start.rest, model.fitted, false, fit.positions);
   const std::vector<int> rigid = model.rigid();
   fit.face_from_scan = fit_similarity_robust(fit.positions(rigid, Eigen::all),
                                              neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
