@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "register/landmark_advice.h"
+
 namespace vultus::apps {
 namespace {
 
@@ -35,6 +37,24 @@ json distance_json(const registration::Quality& quality, const registration::Set
           {"max", count > 0 ? json(largest) : json()}};
 }
 
+json seals_json(const registration::Quality& quality) {
+  json seals = json::array();
+  for (const registration::Seal& seal : quality.seals)
+    seals.push_back({{"name", seal.name},
+                     {"mesh_mm", seal.mesh_gap},
+                     {"scan_mm", seal.scan_gap < 0.0 ? json() : json(seal.scan_gap)}});
+  return seals;
+}
+
+json regions_json(const registration::Quality& quality) {
+  json regions = json::object();
+  for (const auto& [name, set] : quality.sets)
+    regions[name] = {{"mean", set.scan_to_mesh_mean}, {"p95", set.scan_to_mesh_p95}, {"coverage", set.coverage},
+                     {"flipped", set.flipped},        {"stretched", set.stretched},  {"crossing", set.crossing},
+                     {"crumpled", set.crumpled}};
+  return regions;
+}
+
 }  // namespace
 
 json pose_report(const CapturedPose& pose, const registration::Registered& registered,
@@ -47,11 +67,14 @@ json pose_report(const CapturedPose& pose, const registration::Registered& regis
     vertices = topology.set(face);
   else
     for (int v = 0; v < topology.vertex_count(); ++v) vertices.push_back(v);
-  json regions = json::object(), decisions = cleaning;
+  json regions = json::object();
   for (const auto& [name, set] : quality.sets) {
     if (set.coverage > 0.0) regions[name] = set.mesh_to_scan_mean;
   }
+  json decisions = cleaning;
   for (const std::string& line : registered.decisions) decisions.push_back(line);
+  const std::string advice = registration::landmark_advice(pose.name, registered.detected);
+  if (!advice.empty()) decisions.push_back(advice);
   std::string reason;
   for (const std::string& line : quality.reasons) reason += (reason.empty() ? "" : "; ") + line;
   const auto found = quality.sets.find(face);
@@ -67,8 +90,15 @@ json pose_report(const CapturedPose& pose, const registration::Registered& regis
           {"landmarks", quality.landmarks.size()},
           {"flipped_triangles", quality.flipped_triangles},
           {"stretched_triangles", quality.stretched_triangles},
+          {"crossing_triangles", quality.crossing_triangles},
+          {"crumpled_triangles", quality.crumpled_triangles},
           {"lips_sealed", quality.lips_sealed},
+          {"seals", seals_json(quality)},
+          {"regions", regions_json(quality)},
           {"regions_mm", regions},
+          {"reasons", quality.reasons},
+          {"cleaning", cleaning},
+          {"landmark_advice", advice},
           {"decisions", decisions}};
 }
 

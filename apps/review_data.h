@@ -22,7 +22,12 @@ namespace vultus::apps {
 //               "reason": TEXT,                          why not pass; several joined by "; "
 //               "distance_mm": {"mean": x, "rms": x, "p95": x, "max": x},     scan to mesh, in the face
 //               "coverage": 0…1,                         share of the face that has scan beside it
-//               "landmark_rms_mm": x, "flipped_triangles": n, "stretched_triangles": n,
+//               "reasons": [TEXT…], "cleaning": [TEXT…],   the same one by one; what was done to the scan
+//               "landmark_rms_mm": x, "flipped_triangles": n, "stretched_triangles": n, "crossing_triangles": n,
+//               "crumpled_triangles": n,
+//               "regions": {"lips": {"mean": x, "p95": x, "coverage": 0…1, "flipped": n, "stretched": n,
+//                                    "crossing": n, "crumpled": n}, …},   scan to mesh, mm
+//               "seals": [{"name": "lips", "mesh_mm": x, "scan_mm": x or null}…],   openings of lips and lids
 //               "regions_mm": {"lips": x, …},            mean distance in a vertex set
 //               "picture": "report/<pose>.png"}]}        relative to ACTOR
 // ACTOR/report/<pose>.distance.npy  float32, vertex_count: distance of each vertex to the scan, mm; NaN where no scan

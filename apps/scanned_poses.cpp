@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/memory_budget.h"
+#include "apps/pose_picture.h"
 #include "apps/registration_report.h"
 #include "apps/scan_file.h"
 #include "core/array_io.h"
@@ -19,8 +20,6 @@
 #include "register/landmarks.h"
 #include "register/texture_transfer.h"
 #include "render/face_look.h"
-#include "render/portrait.h"
-#include "render/preview.h"
 
 namespace vultus::apps {
 namespace {
@@ -60,6 +59,7 @@ struct Attempt {
   std::optional<Registered> registered;
   Mesh scan;     // of the neutral: its colours are wanted, too
   Image albedo;  // of a coloured neutral
+  Image picture;
   std::vector<std::string> cleaning;
   std::string problem;
 };
@@ -80,6 +80,7 @@ class Scans {
     attempt.registered = registration_.neutral(prepared.scan, prepared.landmarks, background_);
     attempt.albedo = albedo_of(*attempt.registered, prepared.scan.mesh);
     attempt.cleaning = prepared.scan.report.lines();
+    attempt.picture = pose_picture(prepared.scan, *attempt.registered);
     attempt.scan = std::move(prepared.scan.mesh);
     return attempt;
   }
@@ -90,6 +91,7 @@ class Scans {
       const Prepared prepared = prepare(pose);
       attempt.registered = registration_.expression(neutral, prepared.scan, prepared.landmarks, background_);
       attempt.cleaning = prepared.scan.report.lines();
+      attempt.picture = pose_picture(prepared.scan, *attempt.registered);
     } catch (const InputError& error) {
       attempt.problem = error.what();
     }
@@ -134,28 +136,6 @@ void add_scan_inputs(const CapturedPose& pose, const std::string& prefix, std::m
   if (fs::is_regular_file(texture)) inputs[prefix + "texture"] = sha256_of_file(texture);
 }
 
-// The head from the front and from a side in the colours of its distance to the scan, up to 2 mm.
-Image distance_picture(const Registered& registered) {
-  constexpr int size = 384;
-  constexpr double turn = 0.7, farthest = 2.0;
-  const Topology& topology = *registered.mesh.topology;
-  const Eigen::VectorXf& distance = registered.quality.vertex_distance;
-  render::PreviewOptions options;
-  options.field = render::VertexField{{distance.data(), distance.data() + distance.size()}, 0.0, farthest};
-  options.hidden_vertices = render::face_look(topology, registered.mesh.positions).hidden_vertices;
-  options.background = Eigen::Vector3f(0.8f, 0.8f, 0.8f);
-  Image picture = Image::rgb(2 * size, size);
-  for (int side = 0; side < 2; ++side) {
-    const render::PortraitOptions view{size, size, side * turn, 0.0, 1.5};
-    const Image half = render::render_preview(
-        registered.mesh, render::portrait_camera(topology, registered.mesh.positions, view), options);
-    for (int y = 0; y < size; ++y) {
-      for (int x = 0; x < size; ++x) picture.set_rgb(side * size + x, y, half.rgb_at(x, y));
-    }
-  }
-  return picture;
-}
-
 class Writer {
  public:
   explicit Writer(rig::ActorWriter& actor) : actor_(actor) {}
@@ -193,13 +173,15 @@ class Writer {
     write_json(manifest.folder() / report_name(name), report);
     write_npy(manifest.folder() / distance_name(name),
               {{static_cast<std::size_t>(distance.size())}, {distance.data(), distance.data() + distance.size()}});
-    write_image(manifest.folder() / picture_name(name), distance_picture(registered));
+    write_image(manifest.folder() / picture_name(name), attempt.picture);
     for (const std::string& file : {report_name(name), distance_name(name), picture_name(name)}) {
       manifest.record(file, work.provenance);
     }
     if (!attempt.albedo.empty()) actor_.write_map(name, "albedo", attempt.albedo, work.provenance);
     actor_.write_pose({name, work.pose.tags, registered.mesh.positions}, work.provenance);
     progress.note(summary_line(report));
+    const std::string advice = report.at("landmark_advice");
+    if (!advice.empty()) progress.note(advice);
   }
 
  private:

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/rays.h"
+#include "register/crumples.h"
 #include "register/face_regions.h"
 #include "register/unfold.h"
 #include "scan/self_intersections.h"
@@ -132,9 +133,19 @@ Flags crossing_triangles(const Topology& topology, const Points& reference, cons
   return crossing;
 }
 
+// Skin of the face that anyone sees, whether a scanner does (nostrils) or not.
+Flags visible_face(const Topology& topology, const Flags& skin) {
+  Flags visible = skin;
+  if (!topology.has_set("face")) return visible;
+  for (const char* set : {"face", "nostrils"})
+    if (topology.has_set(set))
+      for (int v : topology.set(set)) visible[v] = true;
+  return visible;
+}
+
 // What is wrong with each triangle.
 struct Shape {
-  Flags flipped, stretched, crossing;
+  Flags flipped, stretched, crossing, crumpled;
 };
 
 SetQuality judge_region(const Topology& topology, const Flags& inside, const Eigen::VectorXf& vertex_distance,
@@ -156,6 +167,7 @@ SetQuality judge_region(const Topology& topology, const Flags& inside, const Eig
     quality.flipped += shape.flipped[t];
     quality.stretched += shape.stretched[t];
     quality.crossing += shape.crossing[t];
+    quality.crumpled += shape.crumpled[t];
   }
   const Spread forward = spread_of(std::move(out)), backward = spread_of(std::move(back));
   quality.mesh_to_scan_mean = forward.mean;
@@ -217,14 +229,17 @@ Quality judge(const Template& head, const Topology& topology, const std::vector<
   const Flags triangles = triangles_inside(topology, chosen);
   const Shape shape{folded_triangles(topology, reference, positions),
                     stretched_triangles(topology, reference, positions, skin, limits.stretch),
-                    crossing_triangles(topology, reference, positions, triangles, limits.crossing_depth)};
+                    crossing_triangles(topology, reference, positions, triangles, limits.crossing_depth),
+                    crumpled_triangles(topology, reference, positions)};
   for (const auto& [name, inside] : regions)
     quality.sets[name] = judge_region(topology, inside, quality.vertex_distance, sample, shape);
-  const Flags judged = triangles_inside(topology, skin);
+  const Flags judged = triangles_inside(topology, skin),
+              visible = triangles_inside(topology, visible_face(topology, skin));
   for (std::size_t t = 0; t < judged.size(); ++t) {
     quality.flipped_triangles += judged[t] && shape.flipped[t];
     quality.stretched_triangles += judged[t] && shape.stretched[t];
     quality.crossing_triangles += triangles[t] && shape.crossing[t];
+    quality.crumpled_triangles += visible[t] && shape.crumpled[t];
   }
   judge_features(head, reference, positions, scan, limits, quality);
   quality.landmarks = landmarks;

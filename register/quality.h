@@ -22,7 +22,7 @@ struct SetQuality {
   double mesh_to_scan_mean = 0.0, mesh_to_scan_p95 = 0.0;  ///< over covered vertices
   double scan_to_mesh_mean = 0.0, scan_to_mesh_p95 = 0.0;  ///< over the scan's vertices nearest to the region
   int triangles = 0;
-  int flipped = 0, stretched = 0, crossing = 0;  ///< triangles of it, see `Quality`
+  int flipped = 0, stretched = 0, crossing = 0, crumpled = 0;  ///< triangles of it, see `Quality`
 };
 
 struct LandmarkResidual {
@@ -54,6 +54,7 @@ struct Quality {
   int flipped_triangles = 0;               ///< folded over against their surroundings, in the fitted face
   int stretched_triangles = 0;             ///< with an edge `stretch` times longer or shorter than its surroundings'
   int crossing_triangles = 0;              ///< that pass through another of the fitted face, and did not before fitting
+  int crumpled_triangles = 0;              ///< bent sharply against a neighbour (register/crumples.h), in all the face
   std::vector<Seal> seals;                 ///< lips and lids, in the mesh and in the scan
   double mouth_gap = -1.0;                 ///< mm between inner lips; -1 without such landmarks
   bool lips_sealed = false;

@@ -136,6 +136,9 @@ void check_triangles(const QualityLimits& limits, const Quality& quality, Reason
   reasons.check(quality.stretched_triangles, std::max(20.0, 0.005 * triangles), std::max(400.0, 0.1 * triangles),
                 std::to_string(quality.stretched_triangles) + " triangles stretched more than " +
                     number(limits.stretch, "%.0f") + " times" + where(quality, &SetQuality::stretched));
+  reasons.check(quality.crumpled_triangles, std::max(40.0, 0.003 * triangles), std::max(400.0, 0.1 * triangles),
+                std::to_string(quality.crumpled_triangles) + " triangles crumpled against their neighbours" +
+                    where(quality, &SetQuality::crumpled));
   reasons.check(quality.crossing_triangles, std::max(20.0, 0.003 * triangles), std::max(400.0, 0.05 * triangles),
                 std::to_string(quality.crossing_triangles) + " triangles pass through others" +
                     where(quality, &SetQuality::crossing));

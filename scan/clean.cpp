@@ -31,16 +31,20 @@ Mesh mesh_from(Soup&& soup, const Mesh& raw) {
   return mesh;
 }
 
-// The vertices of `before` that no triangle uses any more.
-Points removed_points(const Points& before, const Soup& soup) {
-  std::vector<bool> used(before.rows(), false);
+std::vector<bool> used_vertices(const Soup& soup) {
+  std::vector<bool> used(soup.positions.rows(), false);
   for (const auto& triangle : soup.triangles)
-    for (int v : triangle)
-      if (v < before.rows()) used[v] = true;
+    for (int v : triangle) used[v] = true;
+  return used;
+}
+
+// Vertices that triangles used before and do not use now; what vertices were doubled into comes after them.
+Points no_longer_used(const Soup& soup, const std::vector<bool>& before) {
+  const std::vector<bool> now = used_vertices(soup);
   std::vector<int> rows;
-  for (int v = 0; v < before.rows(); ++v)
-    if (!used[v] && before.row(v).allFinite()) rows.push_back(v);
-  return before(rows, Eigen::all);
+  for (std::size_t v = 0; v < before.size(); ++v)
+    if (before[v] && !now[v]) rows.push_back(static_cast<int>(v));
+  return soup.positions(rows, Eigen::all);
 }
 
 }  // namespace
@@ -91,13 +95,13 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   report.units =
       options.mm_per_unit > 0.0 ? Units{"as told", options.mm_per_unit, true, false} : guess_units(soup.positions);
   soup.positions *= report.units.mm_per_unit;
-  const Points before = soup.positions;
   progress.check();
 
   report.non_finite_vertices = drop_non_finite(soup);
   report.duplicate_vertices = merge_equal_vertices(soup);
   report.degenerate_triangles = drop_degenerate(soup);
   report.duplicate_triangles = drop_repeated_triangles(soup);
+  const std::vector<bool> sound = used_vertices(soup);  // repeated and broken ones do not count as taken out
   report.spike_vertices = drop_spikes(soup, options.spike_factor, 3);
   for (int pass = 0; pass < 3; ++pass) report.clutter_vertices += drop_clutter(soup, options.wildness);
   report.spike_vertices += drop_border_spikes(soup, 0.5 * options.spike_factor, 6);
@@ -110,7 +114,7 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   if (soup.triangles.empty()) throw InputError("nothing of the scan is left after cleaning");
   report.turned_inside_out = turn_outwards(soup);
   report.other_heads = std::max(0, count_large_pieces(soup, 0.3, 120.0) - 1);
-  result.removed = removed_points(before, soup);
+  result.removed = no_longer_used(soup, sound);
   report.unused_vertices = drop_unused(soup) - report.spike_vertices - report.clutter_vertices -
                            report.duplicate_vertices - report.non_finite_vertices;
   report.unused_vertices = std::max(0, report.unused_vertices);

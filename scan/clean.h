@@ -42,7 +42,7 @@ struct CleanReport {
 struct CleanScan {
   Mesh mesh;                   ///< mm, triangles, oriented and manifold; UVs and colours kept
   std::vector<bool> invented;  ///< per triangle: made by hole filling, never to be trusted as data
-  Points removed;              ///< mm: the vertices taken out, for pictures of what was removed
+  Points removed;              ///< mm: spikes, clutter and stray pieces, for pictures of what was removed
   CleanReport report;
 };
 

@@ -51,6 +51,26 @@ TEST_F(JudgeTest, CountsAFoldByHand) {
   EXPECT_TRUE(says(quality, "folded over"));
 }
 
+TEST_F(JudgeTest, CrumplesAndCrossingsAreCounted) {
+  Points crumpled = model.positions;
+  // Every second vertex of a patch stands 12 mm off a ball whose edges are 7 mm long.
+  for (int row = 18; row < 24; ++row)
+    for (int column = 10; column < 20; ++column)
+      if ((row + column) % 2 == 0) crumpled.row(row * 80 + column) *= 1.13;
+  const Quality rough = judged(crumpled, scan);
+  EXPECT_GT(rough.crumpled_triangles, 60);
+  EXPECT_TRUE(says(rough, "crumpled"));
+  // One side of the ball pushed through the other: a dent as deep as the ball is thick.
+  Points dented = model.positions;
+  for (auto p : dented.rowwise())
+    if (p.z() > 60.0) p.z() -= 180.0;
+  const Quality through = judged(dented, scan);
+  EXPECT_GT(through.crossing_triangles, 20);
+  EXPECT_TRUE(says(through, "pass through others"));
+  EXPECT_EQ(judged(model.positions, scan).crossing_triangles, 0);
+  EXPECT_EQ(judged(model.positions, scan).crumpled_triangles, 0);
+}
+
 TEST_F(JudgeTest, HalfAScanIsNoPass) {
   std::vector<bool> keep(scan.positions.rows());
   for (int v = 0; v < scan.positions.rows(); ++v) keep[v] = scan.positions(v, 0) > 5.0;
