@@ -116,13 +116,6 @@ TEST(DamagedScans, OtherUnits) {
   EXPECT_DOUBT(judged(scaled(1000.0), person().landmarks), "taken to be micrometres");
 }
 
-TEST(DamagedScans, InchesTakenForCentimetres) {
-  const scan::CleanScan clean = scan::clean_scan(scaled(1.0 / 25.4));
-  ScanLandmarks landmarks = person().landmarks;
-  for (ScanLandmark& landmark : landmarks) landmark.position *= clean.report.units.mm_per_unit / 25.4;
-  EXPECT_DOUBT(registration().neutral(clean, landmarks).quality, "confirm it by \"units\"");
-}
-
 TEST(DamagedScans, TwoHeads) {
   const Mesh& one = person().scan;
   const int count = static_cast<int>(one.positions.rows());
