@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "register/align.h"
+#include "register/lip_opening.h"
 
 namespace vultus::registration {
 namespace {
@@ -44,6 +45,7 @@ ExpressionStart start_expression(const FitInput& input, const Registered& neutra
   if (start.anchors.size() < found.size())
     start.decisions.push_back(std::to_string(found.size() - start.anchors.size()) +
                               " landmarks left out: farther from the neutral than skin can move");
+  start.anchors = with_inner_lips(input.model.head, start.anchors, start.rest, input.scan.rays());
   return start;
 }
 
