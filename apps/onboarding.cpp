@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/actor_report.h"
 #include "apps/capture.h"
 #include "apps/command.h"
 #include "apps/scanned_poses.h"
@@ -144,14 +145,18 @@ class Onboarding {
                       {"decisions", decisions_},
                       {"warnings", warnings}};
     write_json(options_.actor / "report/registration.json", result_.report);
-    writer_.manifest().record("report/registration.json", {"onboard", json::object(), {}});
+    write_file(options_.actor / "report/index.html",
+               actor_report_page(writer_.manifest().facts().at("name"), result_.report));
+    for (const char* file : {"report/registration.json", "report/index.html"})
+      writer_.manifest().record(file, {"onboard", json::object(), {}});
     forget_other_reports(kept);
     writer_.manifest().save();
   }
 
   void forget_other_reports(const std::vector<std::string>& kept) {
     for (const std::string& artefact : writer_.manifest().artefacts()) {
-      if (!artefact.starts_with("report/") || artefact == "report/registration.json") continue;
+      if (!artefact.starts_with("report/") || artefact == "report/registration.json" || artefact == "report/index.html")
+        continue;
       const auto belongs = [&](const std::string& pose) { return is_report_of(pose, artefact); };
       if (std::none_of(kept.begin(), kept.end(), belongs)) writer_.manifest().forget(artefact);
     }

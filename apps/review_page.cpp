@@ -106,7 +106,7 @@ ReviewPage write_review(const fs::path& folder, const ReviewOptions& options, Pr
   ReviewPage page;
   page.file = folder / "review" / "index.html";
   nlohmann::json data = {{"version", version()}, {"actor", actor_json(session)}, {"session", session.facts}};
-  data["registration"] = registration_json(session, options.pictures.width);
+  data["registration"] = registration_json(session, 2 * options.pictures.width);  // four panels abreast
   data["head"] = head_json(session);
   data["provenance"] = provenance_json(session);
   data["findings"] = nlohmann::json::array();

@@ -261,8 +261,11 @@ function registrationPart() {
     if (view) view.showPose(name);
     section.querySelectorAll('tr[data-pose]').forEach(row => row.classList.toggle('chosen', row.dataset.pose === name));
     const entry = poses.find(pose => pose.pose === name);
-    picture.replaceChildren(...(entry && entry.picture ? [make('img', { src: entry.picture.src, alt: `registration of ${name}`,
-      style: { width: '100%', marginTop: '10px', borderRadius: '4px' } })] : []));
+    picture.replaceChildren(...(entry ? [entry.picture ? make('img', { src: entry.picture.src, alt: `registration of ${name}`,
+      style: { width: '100%', marginTop: '10px', borderRadius: '4px' } }) : '',
+    entry.picture && entry.regions ? make('div', { class: 'empty', style: { padding: '4px 0' } },
+      'scan as cleaned (removed red, invented blue) · result · distance to the scan, dark from 1 mm · the whole scan') : '',
+    regionTable(entry) || '', decisionsPanel('What was removed and repaired', [entry.cleaning || []]) || ''] : []));
   };
   if (view) {
     const measured = HEAD.distances.size > 0;

@@ -78,6 +78,18 @@ function registrationTable(poses, choose) {
     ['Flipped', true], ['Why']], lines);
 }
 
+// One registered pose by regions of the face.
+function regionTable(pose) {
+  const names = ['face', 'forehead', 'eyes', 'nose', 'lips', 'chin', 'under_chin', 'ears', 'neck'].filter(name => (pose.regions || {})[name]);
+  if (!names.length) return null;
+  return make('details', {}, make('summary', {}, 'By region'), table([['Region'], ['Mean', true], ['95 %', true], ['Covered', true],
+    ['Flipped', true], ['Stretched', true], ['Crossing', true], ['Crumpled', true]], names.map(name => {
+    const region = pose.regions[name], count = key => cell(region[key] === undefined ? '–' : region[key], true);
+    return make('tr', {}, cell(name.replace('_', ' ')), cell(fixed(region.mean), true), cell(fixed(region.p95), true),
+      cell(percent(region.coverage), true), count('flipped'), count('stretched'), count('crossing'), count('crumpled'));
+  })));
+}
+
 // For an actor without a registration report: its poses and what they are called elsewhere.
 function poseTable(choose) {
   return table([['Pose'], ['Tags']], DATA.actor.poses.map(pose => make('tr', {
