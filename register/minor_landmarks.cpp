@@ -13,6 +13,7 @@ namespace {
 constexpr int neighbours = 6;
 constexpr double near = 12.0;         // mm: known points nearer than this count alike
 constexpr double slack = 20.0;        // mm: spread of neighbours below which the common similarity has the say
+constexpr double surrounded = 45.0;   // mm to the third nearest known point; farther out the map is a guess
 constexpr double depth_limit = 30.0;  // mm along the view
 constexpr double placed_confidence = 0.3, guessed_confidence = 0.05;
 
@@ -22,7 +23,12 @@ struct Known {
 };
 
 // The affine map of the nearest known points, as a correction of the common similarity.
-Eigen::Vector3d carried(const Known& known, const Eigen::Vector3d& point) {
+struct Carried {
+  Eigen::Vector3d place;
+  double third_nearest;  // mm on the template
+};
+
+Carried carried(const Known& known, const Eigen::Vector3d& point) {
   const Eigen::VectorXd distance = (known.on_template.rowwise() - point.transpose()).rowwise().norm();
   std::vector<int> order(distance.size());
   for (int i = 0; i < static_cast<int>(order.size()); ++i) order[i] = i;
@@ -51,7 +57,7 @@ Eigen::Vector3d carried(const Known& known, const Eigen::Vector3d& point) {
     right += weights[k] * (places[k] - middle) * (places[k] - middle).transpose();
   }
   const Eigen::Matrix3d linear = left * right.inverse();
-  return known.scan_from_template * point + shift + linear * (point - middle);
+  return {known.scan_from_template * point + shift + linear * (point - middle), distance[order[2]]};
 }
 
 // The view whose pictures show a place best: front or back, either side, top.
@@ -85,10 +91,11 @@ ScanLandmarks place_minor_landmarks(const Template& head, const ScanLandmarks& g
   for (const Landmark& landmark : head.landmarks) {
     if (landmark.vertex < 0 || !taken.insert(landmark.vertex).second) continue;
     const Eigen::Vector3d normal = normals.row(landmark.vertex);
-    const Eigen::Vector3d place = carried(known, head.neutral.row(landmark.vertex).transpose());
+    const auto [place, third_nearest] = carried(known, head.neutral.row(landmark.vertex).transpose());
     const Eigen::Matrix3d& turn = known.scan_from_template.rotation;
     const auto hit = scan.along(place, turn * view_of(normal), turn * normal, depth_limit, 0.2);
-    minor.push_back({landmark.name, hit ? hit->position : place, hit ? placed_confidence : guessed_confidence, false});
+    minor.push_back({landmark.name, hit ? hit->position : place,
+                     hit && third_nearest < surrounded ? placed_confidence : guessed_confidence, false});
   }
   return minor;
 }

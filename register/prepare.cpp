@@ -7,6 +7,7 @@
 #include "register/anchors.h"
 #include "register/face_finder.h"
 #include "register/geometric_landmarks.h"
+#include "register/minor_landmarks.h"
 
 namespace vultus::registration {
 namespace {
@@ -78,6 +79,11 @@ Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandm
     // Landmarks found earlier keep their confidence below one and the finder's bias.
     prepared.automatic = std::none_of(given->begin(), given->end(), [](const auto& l) { return l.confidence >= 1.0; });
     prepared.decisions.push_back(std::to_string(given->size()) + " landmarks given");
+    if (options_.method == Method::zhu && are_major_landmarks(model_.head, *given)) {
+      const ScanLandmarks minor = place_minor_landmarks(model_.head, *given, ScanSurface(scan));
+      prepared.landmarks.insert(prepared.landmarks.end(), minor.begin(), minor.end());
+      prepared.decisions.push_back(std::to_string(minor.size()) + " minor ones placed by them (Zhu 4.2)");
+    }
     return prepared;
   }
   const DetectedLandmarks found = this->found(scan, neutral);

@@ -33,9 +33,10 @@ class Preparation {
   /// Both must outlive this. `options.finder` is loaded on first need when null.
   Preparation(const RefinedTemplate& model, const RegisterOptions& options);
 
-  /// Landmarks given, found, or both, and the unit as the eyes tell it. `neutral` (refined topology, mm) is the same
-  /// person's, where it is known: shape alone then finds expressions better.
-  /// Throws `InputError` when no face is found, `ToolError` without the model where only pictures are allowed.
+  /// Landmarks given, found, or both, and the unit as the eyes tell it. For the method `zhu`, major points given by
+  /// hand bring the minor ones with them (§4.2). `neutral` (refined topology, mm) is the same person's, where it is
+  /// known: shape alone then finds expressions better. Throws `InputError` when no face is found, `ToolError` without
+  /// the model where only pictures are allowed.
   Prepared operator()(const Mesh& scan, const std::optional<ScanLandmarks>& given,
                       const Points* neutral = nullptr) const;
   /// What the finder makes of the template's bare shape; null when it sees no face there or there is no finder.
