@@ -96,6 +96,8 @@ Registered Registration::Impl::finish(const FitInput& input, Fit fit, const Poin
   result.coloured = input.prepared.coloured;
   result.decisions = input.prepared.decisions;
   result.decisions.insert(result.decisions.end(), fit.decisions.begin(), fit.decisions.end());
+  result.look = fit.look;
+  if (fit.look) result.on_look = fit.positions;
   add_facts(input, fit, facts);
   result.quality = judge(model.head, model.topology(), model.fitted, reference, fit.positions, input.scan, residuals,
                          options.limits, facts);

@@ -62,11 +62,11 @@ Points bent_onto(const RefinedTemplate& model, const Points& rest, bool same_per
   options.fine_spacing = 10.0;
   options.face_spacing = 15.0;
   options.far_spacing = 30.0;
-  options.first_stiffness = 30.0;
-  options.last_stiffness = 0.3;
-  options.first_limit = 10.0;
-  options.stages = 5;
-  options.steps_a_stage = 3;
+  options.annealing.first_stiffness = 30.0;
+  options.annealing.last_stiffness = 0.03;
+  options.annealing.first_limit = 10.0;
+  options.annealing.stages = 5;
+  options.annealing.steps_a_stage = 3;
   options.free_scale = !same_person;
   Points detail(0, 3);
   if (model.head.ibug68) {

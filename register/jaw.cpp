@@ -3,14 +3,20 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "register/align.h"
 
 namespace vultus::registration {
 namespace {
 
 struct Hinge {
   Eigen::Vector3d point, axis;  // axis from the subject's right to left
-  Eigen::Vector3d turned(const Eigen::Vector3d& p, double angle) const {
-    return point + Eigen::AngleAxisd(angle, axis) * (p - point);
+  Similarity turn(double angle) const {
+    Similarity motion;
+    motion.rotation = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    motion.translation = point - motion.rotation * point;
+    return motion;
   }
 };
 
@@ -27,63 +33,127 @@ std::vector<int> chin_vertices(const Points& rest, const std::vector<bool>& fitt
   return vertices;
 }
 
-// Mean distance of the turned chin from the scan plus that of the turned lower lip from its landmarks, mm. The lip may
-// well move on its own, hence counts less and never more than a few millimetres.
-double mismatch(const Hinge& hinge, double angle, const Points& rest, const Points& normals,
-                const std::vector<int>& chin, const std::vector<LipPull>& lip, const ScanSurface& scan) {
-  const double limit = 8.0;
-  double distance = 0.0;
-  for (int v : chin) {
-    const Eigen::Vector3d normal = Eigen::AngleAxisd(angle, hinge.axis) * Eigen::Vector3d(normals.row(v));
-    const auto place = scan.nearest(hinge.turned(rest.row(v), angle), normal, limit, 0.5);
-    distance += place ? place->distance : limit;
-  }
-  distance /= static_cast<double>(chin.size());
-  double pull = 0.0, total = 0.0;
-  for (const LipPull& point : lip) {
-    pull += point.weight * std::min(20.0, (hinge.turned(point.from, angle) - point.to).norm());
-    total += point.weight;
-  }
-  return distance + (total > 0.0 ? 0.3 * pull / total : 0.0);
+std::vector<int> every(std::size_t stride, const std::vector<int>& all) {
+  std::vector<int> some;
+  for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(1, stride)) some.push_back(all[i]);
+  return some;
 }
 
-}  // namespace
-
-JawOpening find_jaw_opening(const Template& head, const Topology& topology, const Points& rest,
-                            const std::vector<bool>& fitted, const Anchors& anchors, const ScanSurface& scan) {
-  JawOpening opening;
-  if (!head.ibug68) return opening;
-  const Ibug68& ibug = *head.ibug68;
-  for (int needed : {0, 1, 8, 15, 16})
-    if (ibug[needed] < 0) return opening;
-  auto point = [&](int i) -> Eigen::Vector3d { return rest.row(ibug[i]).transpose(); };
-  const Eigen::Vector3d right = 0.5 * (point(0) + point(1)), left = 0.5 * (point(15) + point(16));
-  const Hinge hinge{0.5 * (right + left), (left - right).normalized()};
+std::vector<LipPull> lower_lip(const Points& rest, const Anchors& anchors) {
   std::vector<LipPull> lip;
   for (int i = 0; i < anchors.size(); ++i)
     for (int outer : {56, 57, 58})
       if (anchors.names[i] == ibug_name(outer))
         lip.push_back(
             {rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), anchors.confidence[i]});
-  const std::vector<int> chin = chin_vertices(rest, fitted, point(8), 28.0);
-  if (chin.size() < 20) return opening;
-  std::vector<int> sample;
-  for (std::size_t i = 0; i < chin.size(); i += std::max<std::size_t>(1, chin.size() / 250)) sample.push_back(chin[i]);
+  return lip;
+}
 
-  const Points normals = vertex_normals(topology, rest);
-  const double step = M_PI / 180.0;
-  double best = mismatch(hinge, 0.0, rest, normals, sample, lip, scan);
-  for (int k = 1; k <= 40; ++k) {
-    // A closed jaw is the usual case: the turn has to earn its place.
-    const double cost = mismatch(hinge, k * step, rest, normals, sample, lip, scan) + 0.2;
-    if (cost >= best) continue;
-    best = cost;
-    opening.angle = k * step;
+// What the lower lip still lacks after a motion; nothing without landmarks on it.
+std::optional<Eigen::Vector3d> lip_shift(const std::vector<LipPull>& lip, const Similarity& motion) {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  double total = 0.0;
+  for (const LipPull& pull : lip) {
+    shift += pull.weight * (pull.to - motion * pull.from);
+    total += pull.weight;
   }
-  if (opening.angle < 3.0 * step) return JawOpening{};
+  if (total <= 0.0) return {};
+  return Eigen::Vector3d(shift / total);
+}
+
+class ChinOnScan {
+ public:
+  ChinOnScan(const Topology& topology, const Points& rest, std::vector<int> chin, std::vector<LipPull> lip,
+             const ScanSurface& scan)
+      : topology_(topology),
+        rest_(rest),
+        normals_(vertex_normals(topology, rest)),
+        chin_(std::move(chin)),
+        lip_(std::move(lip)),
+        scan_(scan) {}
+
+  // Mean distance of the moved chin from the scan plus that of the moved lower lip from its landmarks, mm. The lip may
+  // well move on its own, hence counts less and never more than a few millimetres.
+  double mismatch(const Similarity& motion) const {
+    const double limit = 6.0;  // what finds no scan counts with it
+    double distance = 0.0;
+    for (int v : chin_) {
+      const Eigen::Vector3d normal = motion.rotation * Eigen::Vector3d(normals_.row(v));
+      const auto place = scan_.nearest(motion * Eigen::Vector3d(rest_.row(v)), normal, limit, 0.7);
+      distance += place ? place->distance : limit;
+    }
+    double pull = 0.0, total = 0.0;
+    for (const LipPull& point : lip_) {
+      pull += point.weight * std::min(20.0, (motion * point.from - point.to).norm());
+      total += point.weight;
+    }
+    return distance / static_cast<double>(chin_.size()) + (total > 0.0 ? 0.3 * pull / total : 0.0);
+  }
+
+  std::optional<Similarity> refined(const Similarity& start) const {
+    RigidRefinement refinement;
+    refinement.first_limit = 8.0;
+    refinement.last_limit = 3.0;
+    const Alignment found = align_surface(topology_, rest_, chin_, scan_, start, Scaling::fixed, refinement);
+    if (found.rms < 0.0) return {};
+    return found.scan_from_template;
+  }
+
+  const std::vector<LipPull>& lip() const { return lip_; }
+
+ private:
+  const Topology& topology_;
+  const Points& rest_;
+  Points normals_;
+  std::vector<int> chin_;
+  std::vector<LipPull> lip_;
+  const ScanSurface& scan_;
+};
+
+std::optional<Similarity> best_motion(const ChinOnScan& chin, const Hinge& hinge) {
+  // A closed jaw is the usual case: a motion has to earn its place.
+  double least = chin.mismatch(Similarity()) - 0.3;
+  std::optional<Similarity> best;
+  auto consider = [&](const Similarity& start) {
+    const auto motion = chin.refined(start);
+    if (!motion) return;
+    const double cost = chin.mismatch(*motion);
+    if (cost >= least) return;
+    least = cost;
+    best = motion;
+  };
+  for (int degrees = 0; degrees <= 30; degrees += 6) {
+    Similarity motion = hinge.turn(degrees * M_PI / 180.0);
+    if (degrees > 0) consider(motion);
+    if (const auto shift = lip_shift(chin.lip(), motion)) {
+      motion.translation += *shift;
+      consider(motion);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+JawOpening find_jaw_opening(const Template& head, const Topology& topology, const Points& rest,
+                            const std::vector<bool>& fitted, const Anchors& anchors, const ScanSurface& scan) {
+  if (!head.ibug68) return {};
+  const Ibug68& ibug = *head.ibug68;
+  for (int needed : {0, 1, 8, 15, 16})
+    if (ibug[needed] < 0) return {};
+  auto point = [&](int i) -> Eigen::Vector3d { return rest.row(ibug[i]).transpose(); };
+  const Eigen::Vector3d right = 0.5 * (point(0) + point(1)), left = 0.5 * (point(15) + point(16));
+  const std::vector<int> around = chin_vertices(rest, fitted, point(8), 28.0);
+  if (around.size() < 20) return {};
+
+  const ChinOnScan chin(topology, rest, every(around.size() / 250, around), lower_lip(rest, anchors), scan);
+  const auto motion = best_motion(chin, {0.5 * (right + left), (left - right).normalized()});
+  JawOpening opening;
+  if (motion) opening.drop = (*motion * point(8) - point(8)).norm();
+  if (opening.drop < 3.0) return {};
+  opening.angle = Eigen::AngleAxisd(motion->rotation).angle();
   const std::vector<int> core = chin_vertices(rest, fitted, point(8), 20.0);
-  for (std::size_t i = 0; i < core.size(); i += std::max<std::size_t>(1, core.size() / 25))
-    opening.terms.push_back({core[i], hinge.turned(rest.row(core[i]), opening.angle), 0.3});
+  for (int v : every(core.size() / 25, core)) opening.terms.push_back({v, *motion * Eigen::Vector3d(rest.row(v)), 0.3});
   return opening;
 }
 

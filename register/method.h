@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct Fit {
   Anchors anchors;                     ///< landmarks that took part
   Similarity face_from_scan;           ///< of the prepared scan
   std::vector<std::string> decisions;  ///< in words
+  std::shared_ptr<const Appearance> look;  ///< of a neutral's scan, where expressions are compared with it; else null
 };
 
 /// Anchors of a scan against the template; throws `InputError` when too few can be trusted.

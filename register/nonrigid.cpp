@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -14,7 +15,7 @@
 namespace vultus::registration {
 namespace {
 
-double anneal(double first, double last, double t) { return first * std::pow(last / first, t); }
+double between(double first, double last, double t) { return first * std::pow(last / first, t); }
 
 // Pieces of the surface with at least one fitted vertex move with the graph.
 std::vector<bool> active_vertices(const Topology& topology, const std::vector<bool>& fitted) {
@@ -80,67 +81,97 @@ Matches find_matches(const Topology& topology, const Points& positions, const st
 
 }  // namespace
 
-void NonrigidOptions::validate() const {
-  if (!(fine_spacing > 0 && face_spacing > 0 && far_spacing > 0))
-    throw InputError("non-rigid refinement: node spacings must be positive");
+void Annealing::validate() const {
   if (!(first_stiffness > 0 && last_stiffness > 0 && first_limit > 0 && last_limit > 0))
     throw InputError("non-rigid refinement: stiffness and limits must be positive");
-  if (!(first_landmarks > 0 && last_landmarks > 0))
-    throw InputError("non-rigid refinement: landmark weights must be positive");
+  if (!(first_points > 0 && last_points > 0))
+    throw InputError("non-rigid refinement: weights of points must be positive");
   if (stages < 1 || steps_a_stage < 1) throw InputError("non-rigid refinement needs at least one stage of one step");
 }
 
-NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const Points& start,
-                            const std::vector<bool>& fitted, const ScanSurface& scan,
-                            const std::vector<PointTerm>& landmarks, const Points& detail,
-                            const NonrigidOptions& options, Progress& progress) {
-  options.validate();
-  const std::vector<bool> active = active_vertices(topology, fitted);
-  const DeformationGraph graph = make_graph(topology, rest, active, node_spacing(topology, rest, detail, options));
-  GraphPose pose = pose_like(graph, rest, start, options.free_scale);
-  GraphFit fit(graph, rest);
-  std::vector<int> all;
-  for (int v = 0; v < topology.vertex_count(); ++v)
-    if (fitted[v]) all.push_back(v);
+void NonrigidOptions::validate() const {
+  if (!(fine_spacing > 0 && face_spacing > 0 && far_spacing > 0))
+    throw InputError("non-rigid refinement: node spacings must be positive");
+  if (!(rigidity >= 0)) throw InputError("non-rigid refinement: rigidity must not be negative");
+  annealing.validate();
+}
 
-  NonrigidResult result{deformed(graph, pose, rest, start)};
-  const double soft = 0.1 * options.first_stiffness;
-  const GraphFitWeights opening{soft, soft, options.free_scale ? 0.0 : soft};
-  std::vector<PointTerm> opening_pulls = landmarks;
-  for (PointTerm& pull : opening_pulls) pull.weight *= 2.0 * options.first_landmarks;
-  for (int step = 0; step < options.landmark_steps; ++step) fit.step(pose, {}, opening_pulls, opening);
-  if (options.landmark_steps > 0) fit.relax(pose, options.landmark_relaxation);
-  result.positions = deformed(graph, pose, rest, start);
-  progress.begin("fitting", static_cast<std::size_t>(options.stages));
-  for (int stage = 0; stage < options.stages; ++stage) {
+NonrigidFit::NonrigidFit(const Topology& topology, const Points& rest, const Points& start,
+                         const std::vector<bool>& fitted, const ScanSurface& scan, const Points& detail,
+                         const NonrigidOptions& options)
+    : topology_(topology),
+      rest_(rest),
+      start_(start),
+      fitted_(fitted),
+      scan_(scan),
+      options_((options.validate(), options)),
+      graph_(
+          make_graph(topology, rest, active_vertices(topology, fitted), node_spacing(topology, rest, detail, options))),
+      pose_(pose_like(graph_, rest, start, options.free_scale)),
+      fit_(graph_, rest),
+      result_{deformed(graph_, pose_, rest, start)} {
+  for (int v = 0; v < topology.vertex_count(); ++v)
+    if (fitted[v]) vertices_.push_back(v);
+}
+
+double NonrigidFit::unit() const {
+  return static_cast<double>(graph_.size()) / static_cast<double>(std::max<std::size_t>(1, vertices_.size()));
+}
+
+void NonrigidFit::follow(const std::vector<PointTerm>& points, double stiffness, int steps) {
+  GraphFitWeights weights;
+  weights.smoothness = stiffness;
+  weights.rigidity = options_.rigidity;
+  for (int step = 0; step < steps; ++step) fit_.step(pose_, {{}, points, {}}, weights);
+  result_.positions = deformed(graph_, pose_, rest_, start_);
+}
+
+void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector<PairTerm>& pairs,
+                         const Annealing& annealing, Progress& progress) {
+  annealing.validate();
+  progress.begin("fitting", static_cast<std::size_t>(annealing.stages));
+  for (int stage = 0; stage < annealing.stages; ++stage) {
     progress.check();
-    const double t = options.stages > 1 ? static_cast<double>(stage) / (options.stages - 1) : 1.0;
+    const double t = annealing.stages > 1 ? static_cast<double>(stage) / (annealing.stages - 1) : 1.0;
     std::vector<int> vertices;  // while the graph is stiff, a part of the data says as much as all of it
-    const int stride = 2 * stage < options.stages ? std::max<int>(1, static_cast<int>(all.size()) / 6000) : 1;
-    for (std::size_t i = 0; i < all.size(); i += stride) vertices.push_back(all[i]);
+    const int stride = 2 * stage < annealing.stages ? std::max<int>(1, static_cast<int>(vertices_.size()) / 6000) : 1;
+    for (std::size_t i = 0; i < vertices_.size(); i += stride) vertices.push_back(vertices_[i]);
     GraphFitWeights weights;
-    weights.stiffness = anneal(options.first_stiffness, options.last_stiffness, t);
-    weights.scale_stiffness = weights.stiffness;
-    weights.keep_scale = options.free_scale ? 0.0 : 10.0 * weights.stiffness;
-    std::vector<PointTerm> pulls = landmarks;
-    for (PointTerm& pull : pulls) pull.weight *= anneal(options.first_landmarks, options.last_landmarks, t);
-    const double limit = anneal(options.first_limit, options.last_limit, t);
-    for (int step = 0; step < options.steps_a_stage; ++step) {
-      const Matches matches =
-          find_matches(topology, result.positions, vertices, scan, limit, options.least_cosine, graph.size());
-      if (result.steps++ == 0) result.initial_error = matches.mean_distance;
-      result.final_error = matches.mean_distance;
-      const double moved = fit.step(pose, matches.planes, pulls, weights);
-      result.positions = deformed(graph, pose, rest, start);
+    weights.smoothness = between(annealing.first_stiffness, annealing.last_stiffness, t);
+    weights.rigidity = options_.rigidity;
+    GraphTerms terms{{}, points, pairs};
+    for (PointTerm& point : terms.points) point.weight *= between(annealing.first_points, annealing.last_points, t);
+    const double limit = between(annealing.first_limit, annealing.last_limit, t);
+    for (int step = 0; step < annealing.steps_a_stage; ++step) {
+      Matches matches =
+          find_matches(topology_, result_.positions, vertices, scan_, limit, options_.least_cosine, graph_.size());
+      if (result_.steps++ == 0) result_.initial_error = matches.mean_distance;
+      result_.final_error = matches.mean_distance;
+      terms.planes = std::move(matches.planes);
+      const double moved = fit_.step(pose_, terms, weights);
+      result_.positions = deformed(graph_, pose_, rest_, start_);
       if (moved < 0.01) break;
     }
     progress.advance();
   }
-  result.positions = unfolded(topology, rest, result.positions);
-  result.positions = project_smoothly(topology, result.positions, fitted, scan);
-  result.positions = unfolded(topology, rest, result.positions);
-  carry_components(topology, rest, fitted, options.free_scale, result.positions);
+}
+
+NonrigidResult NonrigidFit::finished() const {
+  NonrigidResult result = result_;
+  result.positions = unfolded(topology_, rest_, result.positions);
+  result.positions = project_smoothly(topology_, result.positions, fitted_, scan_);
+  result.positions = unfolded(topology_, rest_, result.positions);
+  carry_components(topology_, rest_, fitted_, options_.free_scale, result.positions);
   return result;
+}
+
+NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const Points& start,
+                            const std::vector<bool>& fitted, const ScanSurface& scan,
+                            const std::vector<PointTerm>& points, const Points& detail, const NonrigidOptions& options,
+                            Progress& progress) {
+  NonrigidFit fit(topology, rest, start, fitted, scan, detail, options);
+  fit.anneal(points, {}, options.annealing, progress);
+  return fit.finished();
 }
 
 }  // namespace vultus::registration

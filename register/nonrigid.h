@@ -8,22 +8,24 @@
 
 namespace vultus::registration {
 
-struct NonrigidOptions {
-  double fine_spacing = 7.0;      ///< mm between nodes within 25 mm of `detail` points
-  double face_spacing = 12.0;     ///< in the set "face"
-  double far_spacing = 22.0;      ///< elsewhere
-  double first_stiffness = 30.0;  ///< annealed geometrically …
-  double last_stiffness = 0.03;   ///< … against one unit of data a node
-  double first_limit = 15.0;      ///< mm: farthest correspondence at the start …
-  double last_limit = 3.0;        ///< … and at the end
-  double first_landmarks = 2.0;   ///< landmark weight, times confidence, at the start …
-  double last_landmarks = 0.02;   ///< … and at the end
-  double least_cosine = 0.5;      ///< between normals
-  bool free_scale = true;         ///< pieces may grow (another person); false: locally rigid (the same person)
+/// How a fit is let go: everything goes geometrically from its first to its last value.
+struct Annealing {
+  double first_stiffness = 30.0, last_stiffness = 0.0005;  ///< against one unit of data a node
+  double first_limit = 15.0, last_limit = 3.0;             ///< mm: farthest correspondence
+  double first_points = 2.0, last_points = 0.003;          ///< weight of the points given
   int stages = 7, steps_a_stage = 4;
-  int landmark_steps = 0;  ///< steps under landmarks alone before any data counts, at a tenth of the first stiffness
-  double landmark_relaxation = 0.9;  ///< [0, 1]: how far the shape they give becomes the one that stiffness keeps
-  void validate() const;             ///< throws `InputError`
+  void validate() const;  ///< throws `InputError`
+};
+
+struct NonrigidOptions {
+  double fine_spacing = 7.0;   ///< mm between nodes within 25 mm of `detail` points
+  double face_spacing = 12.0;  ///< in the set "face"
+  double far_spacing = 22.0;   ///< elsewhere
+  double least_cosine = 0.5;   ///< between normals
+  double rigidity = 0.0;       ///< see `GraphFitWeights`; for scans of the same person
+  bool free_scale = true;      ///< the scan is of another person: what hangs on the skin (eyeballs, teeth) may grow
+  Annealing annealing;
+  void validate() const;  ///< throws `InputError`
 };
 
 struct NonrigidResult {
@@ -32,13 +34,44 @@ struct NonrigidResult {
   double initial_error = 0.0, final_error = 0.0;  ///< mean distance of vertices with data from the scan, mm
 };
 
-/// Non-rigid refinement: a deformation graph over `rest`, started at `start`, drawn to the scan's tangent planes by
-/// robust weights and to landmarks, its local stiffness annealed (after Li et al. 2008), then normal projection of what
-/// is left (`project_smoothly`). Vertices that are not `fitted` follow the graph or, in pieces of their own, rigidly.
-/// `detail` (k×3, rest frame) are places that deserve more nodes: eyes, nose, lips.
+/// Non-rigid refinement: a deformation graph over a rest shape, drawn to the scan's tangent planes by robust weights
+/// and to points, its smoothness annealed, then normal projection of what is left (`project_smoothly`). Vertices that
+/// are not fitted follow the graph or, in pieces of their own, as one body.
+class NonrigidFit {
+ public:
+  /// `rest` is the shape to keep, `start` where it is thought to be (both vertex_count×3, scan frame, mm). `detail`
+  /// (k×3, rest frame) are places that deserve more nodes: eyes, nose, lips. All arguments must outlive this.
+  NonrigidFit(const Topology& topology, const Points& rest, const Points& start, const std::vector<bool>& fitted,
+              const ScanSurface& scan, const Points& detail, const NonrigidOptions& options);
+
+  /// Steps under points alone, at the given stiffness.
+  void follow(const std::vector<PointTerm>& points, double stiffness, int steps);
+  /// Steps under data, points and pairs; pairs keep their weight.
+  void anneal(const std::vector<PointTerm>& points, const std::vector<PairTerm>& pairs, const Annealing& annealing,
+              Progress& progress);
+  /// Weight of a term of which every vertex has one, so that all of them weigh as much as the data.
+  double unit() const;
+  const Points& positions() const { return result_.positions; }  ///< of the graph
+  /// Drawn onto the scan, folds undone.
+  NonrigidResult finished() const;
+
+ private:
+  const Topology& topology_;
+  const Points &rest_, &start_;
+  const std::vector<bool>& fitted_;
+  const ScanSurface& scan_;
+  NonrigidOptions options_;
+  DeformationGraph graph_;
+  GraphPose pose_;
+  GraphFit fit_;
+  std::vector<int> vertices_;  // fitted
+  NonrigidResult result_;
+};
+
+/// All of it at once: annealed under data and points, then finished.
 NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const Points& start,
                             const std::vector<bool>& fitted, const ScanSurface& scan,
-                            const std::vector<PointTerm>& landmarks, const Points& detail,
+                            const std::vector<PointTerm>& points, const Points& detail,
                             const NonrigidOptions& options = {}, Progress& progress = Progress::none());
 
 }  // namespace vultus::registration

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "register/quality.h"
 
 namespace vultus::registration {
+
+class Appearance;
 
 /// A landmark that took part.
 struct UsedLandmark {
@@ -25,6 +28,8 @@ struct Registered {
   std::vector<UsedLandmark> landmarks;
   ScanLandmarks detected;  ///< every landmark found or given, face frame
   bool coloured = false;   ///< landmarks were found with the help of colour
+  std::shared_ptr<const Appearance> look;  ///< of a neutral's scan, by the methods that compare looks; else null
+  Points on_look;                          ///< `mesh` in the frame of that scan, mm
   Quality quality;
   std::vector<std::string> decisions;  ///< what was decided about the input, in words
 };

@@ -157,18 +157,31 @@ double lid_gap_of(const Face& face, const Eye& eye, const ScanSurface& scan) {
   return gaps.size() >= 2 ? median(gaps) : -1.0;
 }
 
+// The template's own pairs by that name, else those of the 68-point scheme.
+std::vector<std::pair<int, int>> touching(const Template& head, const std::string& name,
+                                          std::initializer_list<std::pair<int, int>> scheme) {
+  for (const TouchingRims& rims : head.rims)
+    if (rims.name == name) return rims.pairs;
+  std::vector<std::pair<int, int>> pairs;
+  for (const auto& [a, b] : scheme) pairs.emplace_back((*head.ibug68)[a], (*head.ibug68)[b]);
+  return pairs;
+}
+
 }  // namespace
 
 std::vector<Seal> find_seals(const Template& head, const Points& positions, const ScanSurface& scan) {
   std::vector<Seal> seals;
   if (!head.ibug68) return seals;
   const Face face(*head.ibug68, positions);
+  auto add = [&](const std::string& name, std::initializer_list<std::pair<int, int>> pairs, double scan_gap) {
+    seals.push_back({name, face.mean_gap(pairs), scan_gap, touching(head, name, pairs)});
+  };
   if (face.has({48, 50, 51, 52, 54, 56, 57, 58, 61, 62, 63, 65, 66, 67}))
-    seals.push_back({"lips", face.mean_gap({{61, 67}, {62, 66}, {63, 65}}), lip_gap_of(face, scan)});
+    add("lips", {{61, 67}, {62, 66}, {63, 65}}, lip_gap_of(face, scan));
   if (face.has({27, 33, 36, 37, 38, 39, 40, 41, 45}))
-    seals.push_back({"right lids", face.mean_gap({{37, 41}, {38, 40}}), lid_gap_of(face, {39, 36}, scan)});
+    add("right lids", {{37, 41}, {38, 40}}, lid_gap_of(face, {39, 36}, scan));
   if (face.has({27, 33, 36, 42, 43, 44, 45, 46, 47}))
-    seals.push_back({"left lids", face.mean_gap({{43, 47}, {44, 46}}), lid_gap_of(face, {42, 45}, scan)});
+    add("left lids", {{43, 47}, {44, 46}}, lid_gap_of(face, {42, 45}, scan));
   return seals;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "register/scan_surface.h"
@@ -10,9 +11,10 @@ namespace vultus::registration {
 
 /// How far two rims of skin that can touch stand apart, in the result and in the scan.
 struct Seal {
-  std::string name;       ///< "lips", "left lids", "right lids"
-  double mesh_gap = 0.0;  ///< mm, mean over the pairs of the 68-point scheme
-  double scan_gap = -1;   ///< mm; -1 where the scan does not tell (coarse, no data)
+  std::string name;                        ///< "lips", "left lids", "right lids"
+  double mesh_gap = 0.0;                   ///< mm, mean over the pairs of the 68-point scheme
+  double scan_gap = -1;                    ///< mm; -1 where the scan does not tell (coarse, no data)
+  std::vector<std::pair<int, int>> pairs;  ///< vertices that touch when it is closed: the template's, or the scheme's
 };
 
 /// Looks at mouth and eyes of the template's 68-point scheme; nothing for a template without it.

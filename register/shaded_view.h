@@ -24,9 +24,11 @@ class ScanPictures {
 
   /// Unit normal (smoothed) at a place.
   Eigen::Vector3d normal(const SurfacePoint& place) const;
+  const Points& normals() const { return normals_; }  ///< the same at the scan's vertices
+  /// Linear luminance of the colour at a place.
+  double albedo(const SurfacePoint& place) const;
 
  private:
-  double albedo(const SurfacePoint& place) const;  // linear luminance
   const Mesh* scan_;
   RayScene rays_;
   Points normals_;  // vertex_count×3

@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/error.h"
 #include "register/align.h"
+#include "register/appearance.h"
+#include "register/expression_start.h"
+#include "register/flow_alignment.h"
 #include "register/jaw.h"
 #include "register/nonrigid.h"
+#include "register/seals.h"
 #include "register/start_warp.h"
 
 namespace vultus::registration {
@@ -34,38 +37,56 @@ Points detail(const Template& head, const Points& positions) {
   return positions(rows, Eigen::all);
 }
 
-// Targets of an expression: each vertex of the neutral moved as its sighting moved from the neutral scan to this one,
-// so that what the finder gets wrong alike on both does no harm.
-Anchors expression_anchors(const Template& head, const Registered& neutral, const Prepared& prepared,
-                           double least_confidence) {
-  return make_anchors(head, neutral.mesh.positions, prepared.landmarks, &neutral.detected, least_confidence, true);
-}
-
-bool is_upper_face(const std::string& name) {
-  const auto index = ibug_index(name);
-  return !index || (*index >= 27 && *index <= 47);
-}
-
-// Rigid motion of the head: landmarks of nose and eyes, then the skin that expressions leave alone.
-Similarity head_motion(const Registered& neutral, const Anchors& anchors, const std::vector<int>& rigid,
-                       const ScanSurface& scan) {
-  std::vector<int> upper;
-  for (int i = 0; i < anchors.size(); ++i)
-    if (is_upper_face(anchors.names[i])) upper.push_back(i);
-  if (upper.size() < 6) {
-    upper.clear();
-    for (int i = 0; i < anchors.size(); ++i) upper.push_back(i);
-  }
+std::vector<int> fitted_face(const RefinedTemplate& model) {
   std::vector<int> vertices;
-  for (int i : upper) vertices.push_back(anchors.vertices[i]);
-  const Alignment first =
-      align_landmarks(neutral.mesh.positions(vertices, Eigen::all), anchors.targets(upper, Eigen::all),
-                      anchors.confidence(upper), Scaling::fixed);
-  RigidRefinement refinement;
-  refinement.first_limit = 12.0;
-  return align_surface(*neutral.mesh.topology, neutral.mesh.positions, rigid, scan, first.scan_from_template,
-                       Scaling::fixed, refinement)
-      .scan_from_template;
+  auto add = [&](int v) {
+    if (model.fitted[v]) vertices.push_back(v);
+  };
+  if (model.topology().has_set("face"))
+    for (int v : model.topology().set("face")) add(v);
+  else
+    for (int v = 0; v < model.topology().vertex_count(); ++v) add(v);
+  return vertices;
+}
+
+// Rims that touch in the scan are drawn together; those that stand open in it are left to the data.
+std::vector<PairTerm> sealing(const Template& head, const Points& positions, const ScanSurface& scan, double weight) {
+  std::vector<PairTerm> terms;
+  for (const Seal& seal : find_seals(head, positions, scan)) {
+    if (seal.scan_gap < 0.0 || seal.scan_gap > 0.5) continue;
+    for (const auto& [a, b] : seal.pairs) terms.push_back({a, b, weight});
+  }
+  return terms;
+}
+
+// Rounds of flow, and what one vertex's sighting weighs against its data: colour marks the skin itself, relief changes
+// with the expression.
+struct FlowTrust {
+  int rounds;
+  double weight;
+};
+FlowTrust flow_trust(bool coloured) { return coloured ? FlowTrust{2, 1.0} : FlowTrust{1, 0.15}; }
+
+// The person's own look, carried along by the fit and found again on the scan, says where skin has gone that has no
+// landmark.
+void follow_look(const FitInput& input, const Registered& neutral, const Similarity& scan_from_face, NonrigidFit& fit,
+                 Progress& progress) {
+  if (!neutral.look) return;
+  const RefinedTemplate& model = input.model;
+  const Appearance look(input.prepared.scan);
+  const std::vector<int> face = fitted_face(model);
+  const FlowTrust trust = flow_trust(look.coloured() && neutral.look->coloured());
+  Annealing annealing;
+  annealing.first_stiffness = 0.01;
+  annealing.last_stiffness = 0.0005;
+  annealing.first_limit = 5.0;
+  annealing.first_points = annealing.last_points = trust.weight * fit.unit();
+  annealing.stages = 3;
+  for (int round = 0; round < trust.rounds; ++round) {
+    const std::vector<PointTerm> sightings =
+        flow_targets(model.topology(), face, {neutral.on_look, *neutral.look}, {fit.positions(), look}, scan_from_face);
+    fit.anneal(sightings, sealing(model.head, fit.positions(), input.scan, 1.0), annealing, progress);
+  }
 }
 
 }  // namespace
@@ -83,41 +104,53 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
       start_warp(head.neutral, model.fitted_control, fit.anchors, alignment.scan_from_template, input.scan);
   const Points start = model.loop(map(head.neutral));
   const Points rest = transformed(alignment.scan_from_template, model.neutral);
-  fit.positions = fit_nonrigid(model.topology(), rest, start, model.fitted, input.scan, landmark_terms(fit.anchors),
-                               detail(head, rest), {}, progress)
-                      .positions;
+  NonrigidOptions options;
+  options.rigidity = 0.2;
+  NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
+  nonrigid.anneal(landmark_terms(fit.anchors), {}, {}, progress);
+  if (const auto seals = sealing(head, nonrigid.positions(), input.scan, 1.0); !seals.empty()) {
+    Annealing closing;
+    closing.first_stiffness = 0.002;
+    closing.first_limit = closing.last_limit;
+    closing.first_points = closing.last_points;
+    closing.stages = 1;
+    nonrigid.anneal(landmark_terms(fit.anchors), seals, closing, progress);
+  }
+  fit.positions = nonrigid.finished().positions;
   fit.face_from_scan = upright(head, fit.positions, model.neutral);
+  fit.look = std::make_shared<const Appearance>(input.prepared.scan);
   return fit;
 }
 
 Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Progress& progress) {
   const RefinedTemplate& model = input.model;
   const Template& head = model.head;
+  ExpressionStart start = start_expression(input, neutral);
   Fit fit;
-  const std::vector<int> rigid = model.rigid();
-  const Anchors found = expression_anchors(head, neutral, input.prepared, input.options.least_confidence);
-  if (found.size() < 6) throw InputError("fewer than 6 landmarks of the scan can be trusted; place some by hand");
-  const Similarity scan_from_face = head_motion(neutral, found, rigid, input.scan);
-  const Points rest = transformed(scan_from_face, neutral.mesh.positions);
-  fit.anchors = plausible_anchors(found, rest);
-  if (fit.anchors.size() < found.size())
-    fit.decisions.push_back(std::to_string(found.size() - fit.anchors.size()) +
-                            " landmarks left out: farther from the neutral than skin can move");
-  const JawOpening jaw = find_jaw_opening(head, model.topology(), rest, model.fitted, fit.anchors, input.scan);
-  if (jaw.angle > 0.0) fit.decisions.push_back("jaw open by " + number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
+  fit.decisions = std::move(start.decisions);
+  fit.anchors = std::move(start.anchors);
+  const JawOpening jaw = find_jaw_opening(head, model.topology(), start.rest, model.fitted, fit.anchors, input.scan);
+  if (jaw.drop > 0.0)
+    fit.decisions.push_back("chin moved by " + number(jaw.drop, "%.0f") + " mm, turned by " +
+                            number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
   std::vector<PointTerm> pulls = landmark_terms(fit.anchors);
   pulls.insert(pulls.end(), jaw.terms.begin(), jaw.terms.end());
-  NonrigidOptions nonrigid;
-  nonrigid.free_scale = false;
-  // The same person: landmarks hardly lie, and the shape they give is kept against sliding along the surface.
-  nonrigid.first_stiffness = 1.0;
-  nonrigid.last_stiffness = 0.1;
-  nonrigid.first_landmarks = 5.0;
-  nonrigid.last_landmarks = 0.5;
-  nonrigid.landmark_steps = 6;
-  fit.positions = fit_nonrigid(model.topology(), rest, rest, model.fitted, input.scan, pulls, detail(head, rest),
-                               nonrigid, progress)
-                      .positions;
+  NonrigidOptions options;
+  options.free_scale = false;
+  options.rigidity = 1.0;
+  options.annealing.first_stiffness = 1.0;
+  options.annealing.last_stiffness = 0.0002;
+  options.annealing.first_points = 5.0;
+  options.annealing.last_points = 0.005;
+  std::vector<PointTerm> opening = pulls;
+  for (PointTerm& pull : opening) pull.weight *= 2.0 * options.annealing.first_points;
+  NonrigidFit nonrigid(model.topology(), start.rest, start.rest, model.fitted, input.scan, detail(head, start.rest),
+                       options);
+  nonrigid.follow(opening, 0.1 * options.annealing.first_stiffness, 6);
+  nonrigid.anneal(pulls, {}, options.annealing, progress);
+  follow_look(input, neutral, start.scan_from_face, nonrigid, progress);
+  fit.positions = nonrigid.finished().positions;
+  const std::vector<int> rigid = model.rigid();
   fit.face_from_scan = fit_similarity_robust(fit.positions(rigid, Eigen::all),
                                              neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
                            .target_from_source;

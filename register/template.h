@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh.h"
@@ -21,14 +22,21 @@ struct Landmark {
 /// 27–35 nose, 36–47 eyes, 48–67 lips). -1 where the template has no such vertex.
 using Ibug68 = std::array<int, 68>;
 
+/// Vertices of two rims that touch when closed.
+struct TouchingRims {
+  std::string name;                        ///< "lips", "left lids" or "right lids"
+  std::vector<std::pair<int, int>> pairs;  ///< control mesh, upper and lower
+};
+
 /// What every scan is brought to: one topology with names, and the shape it starts from.
 struct Template {
   std::string name;
-  std::shared_ptr<const Topology> topology;   ///< sets: face, rigid, lips, …; landmarks by name
-  Points neutral;                             ///< vertex_count×3, mm, face frame of DESIGN §1
+  std::shared_ptr<const Topology> topology;  ///< sets: face, rigid, lips, …; landmarks by name
+  Points neutral;                            ///< vertex_count×3, mm, face frame of DESIGN §1
   std::vector<Landmark> landmarks;
   std::optional<Ibug68> ibug68;
-  int subdivisions = 0;                       ///< Loop levels the chain applies (Zhu §4.4): 2 for a control mesh
+  std::vector<TouchingRims> rims;  ///< where the 68-point scheme's inner lips and lids are too few
+  int subdivisions = 0;            ///< Loop levels the chain applies (Zhu §4.4): 2 for a control mesh
 };
 
 }  // namespace vultus::registration

@@ -156,13 +156,6 @@ VertexPairs lid_seal(bool right) {
 
 }  // namespace
 
-Template template_head() {
-  static const Template made = make_template_head();
-  return made;
-}
-
-std::vector<int> template_mirror() { return head().mirror; }
-
 VertexPairs lip_seal() {
   const Weave& w = head();
   VertexPairs pairs;
@@ -175,6 +168,17 @@ VertexPairs lip_seal() {
 
 VertexPairs lid_seal_left() { return lid_seal(false); }
 VertexPairs lid_seal_right() { return lid_seal(true); }
+
+Template template_head() {
+  static const Template made = [] {
+    Template result = make_template_head();
+    result.rims = {{"lips", lip_seal()}, {"left lids", lid_seal_left()}, {"right lids", lid_seal_right()}};
+    return result;
+  }();
+  return made;
+}
+
+std::vector<int> template_mirror() { return head().mirror; }
 
 EyeSphere eye_sphere_left() {
   const shape::Eyeball eye;
