@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <map>
 
 #include "apps/bench_registration/heat_map.h"
@@ -19,6 +20,9 @@ namespace {
 
 using registration::Registered;
 using registration::Registration;
+
+// Of all threads: what is left of a figure where other programs share the machine.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -76,9 +80,12 @@ class SetRun {
       row.leak = leak(*scanned.truth, *any.refined(), set_.measured(), scanned.scan.positions);
     }
     reset_peak_memory();
+    const double processor = processor_seconds();
     const auto start = std::chrono::steady_clock::now();
     const scan::CleanScan cleaned = scan::clean_scan(scanned.scan);
     row.clean_seconds = seconds_since(start);
+    row.peak_bytes = peak_memory();
+    row.processor_seconds = processor_seconds() - processor;
     for (Contender& contender : contenders_) {
       CaseRow result = row;
       result.method = contender.method;
@@ -102,6 +109,8 @@ class SetRun {
     if (neutral) contender.neutral.reset();
     try {
       if (!neutral && !contender.neutral) throw InputError("the neutral of " + row.person + " was not registered");
+      reset_peak_memory();
+      const double processor = processor_seconds();
       const auto start = std::chrono::steady_clock::now();
       Registered found;
       if (neutral)
@@ -109,8 +118,9 @@ class SetRun {
       else
         found = contender.registration->expression(*contender.neutral, cleaned);
       row.register_seconds = seconds_since(start);
+      row.processor_seconds += processor_seconds() - processor;
       row.quality = found.quality;
-      row.peak_bytes = peak_memory();
+      row.peak_bytes = std::max(row.peak_bytes, peak_memory());
       row.scan = scan_distances(cleaned, found, set_.measured());
       row.landmarks =
           landmark_distances(contender.registration->head(), found, scanned.placed, cleaned.report.units.mm_per_unit);

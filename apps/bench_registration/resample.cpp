@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <string>
 
@@ -128,27 +129,50 @@ void number_vertices(Grid& grid, ResampledScan& scan, const ResampleOptions& opt
   }
 }
 
-// Both triangles of every cell of the grid, cut along the shorter diagonal.
+constexpr int widest_slit = 2;  // rows of samples that may be missing between joined ones
+
+// A pattern projected into a slit is not seen: samples deep behind what lies close above and below are lost.
+void lose_slits(Grid& grid, double reach) {
+  const auto placed = [&](std::size_t row, std::size_t column) { return grid[row][column].place.valid(); };
+  const auto apart = [&](std::size_t row, std::size_t other, std::size_t column) {
+    return (grid[row][column].position - grid[other][column].position).norm() > reach;
+  };
+  for (std::size_t column = 0; column < grid.front().size(); ++column)
+    for (std::size_t low = 0; low + 2 < grid.size(); ++low)
+      for (std::size_t high = low + 2; high < std::min<std::size_t>(grid.size(), low + 2 + widest_slit); ++high) {
+        if (!placed(low, column) || !placed(high, column) || apart(low, high, column)) continue;
+        for (std::size_t row = low + 1; row < high; ++row)
+          if (placed(row, column) && apart(row, low, column) && apart(row, high, column)) grid[row][column].place = {};
+      }
+}
+
+// Strips of triangles between neighbouring columns: always on to the next sample of the column that is behind, of two
+// at one height along the shorter diagonal; over missing samples where they are few.
 Triangles joined(const Grid& grid, const Points& positions, double reach) {
   std::vector<Eigen::RowVector3i> triangles;
+  std::vector<std::vector<int>> rows(grid.front().size());  // of the samples that are there, by column
+  for (std::size_t row = 0; row < grid.size(); ++row)
+    for (std::size_t column = 0; column < rows.size(); ++column)
+      if (grid[row][column].vertex >= 0) rows[column].push_back(static_cast<int>(row));
   const auto distance = [&](int a, int b) { return (positions.row(a) - positions.row(b)).norm(); };
-  const auto add = [&](int a, int b, int c) {
-    if (a < 0 || b < 0 || c < 0) return;
-    if (std::max({distance(a, b), distance(b, c), distance(c, a)}) < reach) triangles.emplace_back(a, b, c);
-  };
-  for (std::size_t row = 0; row + 1 < grid.size(); ++row)
-    for (std::size_t column = 0; column + 1 < grid[row].size(); ++column) {
-      const int a = grid[row][column].vertex, b = grid[row][column + 1].vertex, c = grid[row + 1][column + 1].vertex,
-                d = grid[row + 1][column].vertex;
-      const bool by_ac = (a >= 0 && c >= 0) && (b < 0 || d < 0 || distance(a, c) <= distance(b, d));
-      if (by_ac) {
-        add(a, b, c);
-        add(a, c, d);
-      } else {
-        add(a, b, d);
-        add(b, c, d);
-      }
+  for (std::size_t column = 0; column + 1 < rows.size(); ++column) {
+    const std::vector<int>&left = rows[column], &right = rows[column + 1];
+    const auto vertex = [&](int row, std::size_t at) { return grid[static_cast<std::size_t>(row)][at].vertex; };
+    for (std::size_t i = 0, j = 0; i < left.size() && j < right.size();) {
+      const int a = vertex(left[i], column), b = vertex(right[j], column + 1);
+      const int up_left = i + 1 < left.size() ? left[i + 1] : INT_MAX;
+      const int up_right = j + 1 < right.size() ? right[j + 1] : INT_MAX;
+      if (up_left == INT_MAX && up_right == INT_MAX) break;
+      bool go_left = up_left < up_right;
+      if (up_left == up_right)
+        go_left = distance(vertex(up_left, column), b) < distance(vertex(up_right, column + 1), a);
+      const int next = go_left ? up_left : up_right, c = vertex(next, go_left ? column : column + 1);
+      const int lowest = std::min(left[i], right[j]);
+      if (next - lowest <= widest_slit + 1 && std::max({distance(a, b), distance(b, c), distance(c, a)}) < reach)
+        triangles.emplace_back(a, b, c);
+      ++(go_left ? i : j);
     }
+  }
   Triangles result(static_cast<Eigen::Index>(triangles.size()), 3);
   for (std::size_t i = 0; i < triangles.size(); ++i) result.row(static_cast<Eigen::Index>(i)) = triangles[i];
   return result;
@@ -205,13 +229,14 @@ ResampledScan resample(const Mesh& surface, const std::vector<int>& face, const 
   const double wanted = 0.5 * options.triangles / (1.0 - options.holes) / share;
   const int rows = std::max(2, static_cast<int>(std::lround(std::sqrt(wanted / aspect))));
   Grid grid = cast(surface, scene, fan, bottom, options.seed, rows, static_cast<int>(std::lround(aspect * rows)));
-  const double spacing = spacing_of(grid);
+  constexpr double bridged = 6.0;  // spacings: joins grazed neighbours and closed lips, leaves openings open
+  const double reach = bridged * spacing_of(grid);
+  lose_slits(grid, reach);
   drop_patches(grid, options);
 
   ResampledScan scan;
   number_vertices(grid, scan, options);
-  constexpr double bridged = 6.0;  // spacings: joins grazed neighbours and closed lips, leaves openings open
-  const Triangles triangles = joined(grid, scan.mesh.positions, bridged * spacing);
+  const Triangles triangles = joined(grid, scan.mesh.positions, reach);
   scan.scan_from_surface = random_pose(options);
   scan.mesh.positions = transformed(scan.scan_from_surface, scan.mesh.positions);
   scan.mesh.topology = Topology::from_triangles(static_cast<int>(scan.mesh.positions.rows()), triangles);

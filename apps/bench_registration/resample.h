@@ -29,10 +29,10 @@ struct ResampledScan {
 
 /// A scan of a surface (mm, +y up, looking along +z) whose vertices have nothing to do with the surface's own: rays of
 /// a jittered grid, fanned out from the head's axis so that they meet cheeks, the underside of nose and chin and the
-/// ears alike, each taken where it meets the surface first; neighbours in the grid are joined, whatever lies between
-/// them as long as it is near, so that closed lips grow together. `face` are the vertices about which the fan is laid
-/// and the neck is cut. The same surface and options give the same scan, whatever the thread count.
-/// Throws `InputError` when hardly a ray meets the surface.
+/// ears alike, each taken where it meets the surface first; neighbours in the grid are joined where they are near, over
+/// slits as narrow as the sampling too, so that closed lips grow together as they do in real scans. `face` are the
+/// vertices about which the fan is laid and the neck is cut. The same surface and options give the same scan, whatever
+/// the thread count. Throws `InputError` when hardly a ray meets the surface.
 ResampledScan resample(const Mesh& surface, const std::vector<int>& face, const ResampleOptions& options);
 
 }  // namespace vultus::apps::bench

@@ -91,6 +91,40 @@ TEST(Resample, HolesTakeTheirShare) {
   EXPECT_LT(covered, 0.93);
 }
 
+// A wall with a slit across, and another wall 20 mm behind it.
+ResampledScan slit_scan(double width) {
+  Mesh surface;
+  const double half = 0.5 * width;
+  surface.topology =
+      Topology::from_triangles(12, Triangles{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}, {8, 9, 10}, {8, 10, 11}});
+  surface.positions =
+      Points{{-60, -90, 0}, {60, -90, 0}, {60, -half, 0},  {-60, -half, 0}, {-60, half, 0}, {60, half, 0},
+             {60, 90, 0},   {-60, 90, 0}, {-60, -90, -20}, {60, -90, -20},  {60, 90, -20},  {-60, 90, -20}};
+  ResampleOptions options;
+  options.triangles = 30'000;  // about 1 mm apart
+  options.holes = options.noise = options.max_rotation = options.max_shift = 0.0;
+  return resample(surface, {0, 1, 2, 3, 4, 5, 6, 7}, options);
+}
+
+// Length along the slit that is bridged, as a share of the wall's width.
+double bridged(const ResampledScan& scan) {
+  double sum = 0.0;
+  const Triangles& triangles = scan.mesh.topology->triangles();
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Points corners = scan.mesh.positions(triangles.row(t), Eigen::all);
+    if (corners.col(2).minCoeff() < -1.0 || corners.col(1).minCoeff() > 0.0 || corners.col(1).maxCoeff() < 0.0)
+      continue;
+    // A strip's triangles come in pairs of the same width.
+    sum += 0.5 * (corners.col(0).maxCoeff() - corners.col(0).minCoeff());
+  }
+  return sum / 120.0;
+}
+
+TEST(Resample, NarrowSlitsGrowTogetherAndWideOnesStayOpen) {
+  EXPECT_GT(bridged(slit_scan(0.8)), 0.85);
+  EXPECT_EQ(bridged(slit_scan(15.0)), 0.0);
+}
+
 TEST(Resample, HasNoVerticesWhereTheSurfaceHasThem) {
   const Mesh surface = head_surface();
   const ResampledScan scan = resample(surface, surface.topology->set("face"), quick());
