@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/error.h"
 #include "register/face_search.h"
@@ -106,6 +107,12 @@ DetectedLandmarks detect_landmarks(const Mesh& scan, const FaceFinder& finder) {
   if (result.views == 0)
     throw InputError("a face was seen in the scan but could not be followed around; place landmarks by hand");
   result.score /= result.views;
+  // Faces reach 1 to 3 from all around; half a face, hair and hollow shells that pass for one stay below.
+  if (result.score < 0.5) {
+    char text[96];
+    std::snprintf(text, sizeof text, "what was taken for the face hardly looks like one (score %.2f)", result.score);
+    result.doubts.push_back(text);
+  }
   result.agreement = static_cast<double>(result.views) / static_cast<double>(shots.size());
   result.other_faces = static_cast<int>(found.others.size());
   agree(views, place.eye_distance, result);

@@ -21,6 +21,7 @@ struct DetectedLandmarks {
   bool coloured = false;   ///< colour helped; without it brows are vague
   double outer_eye_distance = 0.0;  ///< between the outer eye corners, scan units; 0 when not found
   std::vector<std::string> decisions;
+  std::vector<std::string> doubts;  ///< whether this is a face at all, in words; empty for a clear one
 };
 
 /// Finds the face in a scan of unknown orientation (`search_face`) and its 68 points: a fan of views turned about that

@@ -11,7 +11,8 @@
 namespace vultus::registration {
 namespace {
 
-constexpr double least_score = 0.36, sure_score = 0.5;  // another person's face reaches 0.45 to 0.6, other places 0.35
+constexpr double least_score = 0.36, doubtful_score = 0.42,
+                 sure_score = 0.5;  // another person's face reaches 0.45 to 0.6, other places 0.35
 
 struct NamedVertex {
   std::string name;
@@ -127,6 +128,8 @@ DetectedLandmarks detect_landmarks_by_shape(const RefinedTemplate& model, const 
   std::snprintf(text, sizeof text, "landmarks from shape alone: likeness %.2f, the next best place %.2f", pose->score,
                 pose->runner_up);
   result.decisions.push_back(text);
+  if (pose->score < doubtful_score)
+    result.doubts.push_back("what was taken for the face has little of a face's shape, see where its landmarks lie");
   return result;
 }
 

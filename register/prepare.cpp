@@ -92,6 +92,7 @@ Prepared Preparation::operator()(const Mesh& scan, const std::optional<ScanLandm
   prepared.landmarks = given ? overridden(found.points, *given) : found.points;
   prepared.decisions = found.decisions;
   prepared.other_faces = found.other_faces;
+  prepared.doubts = found.doubts;
   if (found.agreement < least_agreement)
     prepared.doubts.push_back("the face was hard to find (agreement " + number(found.agreement) +
                               " of 1); see where "
