@@ -18,7 +18,7 @@ section h3 { margin: 0 0 8px; font-size: 15px; }
 .verdict { display: inline-block; border-radius: 3px; padding: 1px 8px; font-size: 12px; font-weight: 600; color: #fff; }
 .pass { background: #3b7d4f; } .warn { background: #b07a10; } .fail { background: #b3372c; } .transfer { background: #6a6f78; }
 figure { margin: 0; } img { width: 100%; border-radius: 4px; display: block; }
-figcaption { display: grid; grid-template-columns: repeat(4, 1fr); color: #6a6f78; font-size: 12px; padding: 4px 0 8px; }
+figcaption { display: grid; grid-template-columns: repeat(4, minmax(0, 1fr)); color: #6a6f78; font-size: 12px; padding: 4px 0 8px; }
 table { border-collapse: collapse; font-size: 13px; margin: 8px 0; }
 td, th { padding: 2px 14px 2px 0; text-align: right; font-variant-numeric: tabular-nums; } td:first-child, th:first-child { text-align: left; }
 th { color: #6a6f78; font-weight: 500; } summary { cursor: pointer; color: #6a6f78; } a { color: inherit; }

@@ -118,6 +118,8 @@ void check_regions(const QualityLimits& limits, const Quality& quality, Reasons&
   }
 }
 
+std::string triangles_in_words(int count) { return std::to_string(count) + (count == 1 ? " triangle" : " triangles"); }
+
 std::string where(const Quality& quality, int SetQuality::*count) {
   std::string names;
   for (const std::string region : {"lips", "eyes", "nose", "chin", "forehead"}) {
@@ -130,11 +132,10 @@ std::string where(const Quality& quality, int SetQuality::*count) {
 
 void check_triangles(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
   const double triangles = std::max(1, main_region(quality).triangles);
-  reasons.check(
-      quality.flipped_triangles, 1, std::max(50.0, 0.01 * triangles),
-      std::to_string(quality.flipped_triangles) + " triangles folded over" + where(quality, &SetQuality::flipped));
+  reasons.check(quality.flipped_triangles, 1, std::max(50.0, 0.01 * triangles),
+                triangles_in_words(quality.flipped_triangles) + " folded over" + where(quality, &SetQuality::flipped));
   reasons.check(quality.stretched_triangles, std::max(20.0, 0.005 * triangles), std::max(400.0, 0.1 * triangles),
-                std::to_string(quality.stretched_triangles) + " triangles stretched more than " +
+                triangles_in_words(quality.stretched_triangles) + " stretched more than " +
                     number(limits.stretch, "%.0f") + " times" + where(quality, &SetQuality::stretched));
   reasons.check(quality.crumpled_triangles, std::max(40.0, 0.003 * triangles), std::max(400.0, 0.1 * triangles),
                 std::to_string(quality.crumpled_triangles) + " triangles crumpled against their neighbours" +
