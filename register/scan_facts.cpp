@@ -16,8 +16,11 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Contour points are outlines of a picture, and what is hardly believed takes no part in the fit either.
+// Contour points are outlines of a picture, and what is hardly believed takes no part in the fit either. Where points
+// were placed by hand they alone count: those that follow from them were set onto the surface.
 double offset_from(const ScanSurface& scan, const ScanLandmarks& landmarks, double least_confidence) {
+  if (std::any_of(landmarks.begin(), landmarks.end(), [](const auto& l) { return l.confidence >= 1.0; }))
+    least_confidence = 1.0;
   std::vector<double> distances;
   for (const ScanLandmark& landmark : landmarks) {
     const auto index = ibug_index(landmark.name);

@@ -43,11 +43,12 @@ TEST_F(JudgeTest, DistanceIsMeasuredAsItIs) {
 
 TEST_F(JudgeTest, CountsAFoldByHand) {
   Points folded = model.positions;
-  // One vertex carried across its neighbours turns triangles over.
-  folded.row(1600) = 2.0 * model.positions.row(1603) - model.positions.row(1600);
+  // A vertex carried across its neighbours turns triangles over; four of them are more than lids may.
+  for (const int v : {1600, 1610, 1620, 1630})
+    folded.row(v) = 2.0 * model.positions.row(v + 3) - model.positions.row(v);
   const Quality quality = judged(folded, scan);
-  EXPECT_GE(quality.flipped_triangles, 1);
-  EXPECT_LE(quality.flipped_triangles, 8);
+  EXPECT_GE(quality.flipped_triangles, 4);
+  EXPECT_LE(quality.flipped_triangles, 32);
   EXPECT_TRUE(says(quality, "folded over"));
 }
 
