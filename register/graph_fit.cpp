@@ -34,13 +34,14 @@ GraphFit::Block& GraphFit::block(int row, int column) {
   return blocks_[std::lower_bound(begin, end, column) - columns_.begin()];
 }
 
-Eigen::Vector3d GraphFit::hang(int vertex, const GraphPose& pose, double sign, std::vector<Hold>& holds) const {
+Eigen::Vector3d GraphFit::hang(int vertex, const GraphPose& pose, std::vector<Hold>& holds) const {
+  holds.clear();
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   for (int i = graph_.offsets[vertex]; i < graph_.offsets[vertex + 1]; ++i) {
     const auto& [node, weight] = graph_.influences[i];
     const Eigen::Vector3d arm = (rest_.row(vertex) - graph_.nodes.row(node)).transpose();
     position += weight * (pose.linear[node] * arm + (graph_.nodes.row(node) + pose.translation.row(node)).transpose());
-    holds.push_back({node, sign * weight * Shape(arm.x(), arm.y(), arm.z(), 1.0)});
+    holds.push_back({node, weight * Shape(arm.x(), arm.y(), arm.z(), 1.0)});
   }
   return position;
 }
@@ -54,26 +55,6 @@ void GraphFit::add(const std::vector<Hold>& holds, const Eigen::Matrix3d& metric
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) to.block<3, 3>(3 * i, 3 * j) += (a.shape[i] * b.shape[j]) * metric;
     }
-  }
-}
-
-void GraphFit::add_terms(const GraphPose& pose, const GraphTerms& terms) {
-  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
-  std::vector<Hold> holds;
-  for (const PlaneTerm& term : terms.planes) {
-    holds.clear();
-    const Eigen::Vector3d position = hang(term.vertex, pose, 1.0, holds);
-    add(holds, term.weight * term.normal * term.normal.transpose(), term.target - position);
-  }
-  for (const PointTerm& term : terms.points) {
-    holds.clear();
-    const Eigen::Vector3d position = hang(term.vertex, pose, 1.0, holds);
-    add(holds, term.weight * unit, term.target - position);
-  }
-  for (const PairTerm& term : terms.pairs) {
-    holds.clear();
-    const Eigen::Vector3d a = hang(term.a, pose, 1.0, holds), b = hang(term.b, pose, -1.0, holds);
-    add(holds, term.weight * unit, b - a);
   }
 }
 
@@ -144,10 +125,19 @@ std::vector<GraphFit::Part> GraphFit::solve() const {
   return x;
 }
 
-double GraphFit::step(GraphPose& pose, const GraphTerms& terms, const GraphFitWeights& weights) {
+double GraphFit::step(GraphPose& pose, const std::vector<PlaneTerm>& planes, const std::vector<PointTerm>& points,
+                      const GraphFitWeights& weights) {
   std::fill(blocks_.begin(), blocks_.end(), Block::Zero());
   std::fill(right_.begin(), right_.end(), Part::Zero());
-  add_terms(pose, terms);
+  std::vector<Hold> holds;
+  for (const PlaneTerm& term : planes) {
+    const Eigen::Vector3d position = hang(term.vertex, pose, holds);
+    add(holds, term.weight * term.normal * term.normal.transpose(), term.target - position);
+  }
+  for (const PointTerm& term : points) {
+    const Eigen::Vector3d position = hang(term.vertex, pose, holds);
+    add(holds, term.weight * Eigen::Matrix3d::Identity(), term.target - position);
+  }
   add_smoothness(pose, weights);
   if (weights.rigidity > 0.0) add_rigidity(pose, weights.smoothness * weights.rigidity);
   for (int node = 0; node < graph_.size(); ++node) block(node, node).diagonal().array() += 1e-6;

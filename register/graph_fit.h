@@ -20,17 +20,6 @@ struct PointTerm {
   Eigen::Vector3d target;  ///< scan frame, mm
   double weight;           ///< ≥ 0
 };
-/// Two vertices drawn to one another: rims that touch.
-struct PairTerm {
-  int a, b;
-  double weight;  ///< ≥ 0
-};
-struct GraphTerms {
-  std::vector<PlaneTerm> planes;
-  std::vector<PointTerm> points;
-  std::vector<PairTerm> pairs;
-};
-
 /// What a graph keeps of the rest shape, over its edges (i, j) and nodes.
 struct GraphFitWeights {
   double smoothness = 1.0;  ///< of |T_i(g_j) − T_j(g_j)|² and |T_j(g_i) − T_i(g_i)|², mm²
@@ -48,7 +37,8 @@ class GraphFit {
  public:
   GraphFit(const DeformationGraph& graph, const Points& rest);
   /// Returns the root mean square of the nodes' movement, mm.
-  double step(GraphPose& pose, const GraphTerms& terms, const GraphFitWeights& weights);
+  double step(GraphPose& pose, const std::vector<PlaneTerm>& planes, const std::vector<PointTerm>& points,
+              const GraphFitWeights& weights);
 
  private:
   static constexpr int unknowns = 12;  // three of each column of A, then translation
@@ -61,11 +51,10 @@ class GraphFit {
   };
 
   Block& block(int row, int column);
-  /// Where a vertex is, and what holds it (appended to `holds`, times `sign`).
-  Eigen::Vector3d hang(int vertex, const GraphPose& pose, double sign, std::vector<Hold>& holds) const;
+  /// Where a vertex is, and what holds it.
+  Eigen::Vector3d hang(int vertex, const GraphPose& pose, std::vector<Hold>& holds) const;
   /// Adds residualᵀ·metric·residual, linearized; `residual` is what is wanted minus what is.
   void add(const std::vector<Hold>& holds, const Eigen::Matrix3d& metric, const Eigen::Vector3d& residual);
-  void add_terms(const GraphPose& pose, const GraphTerms& terms);
   void add_smoothness(const GraphPose& pose, const GraphFitWeights& weights);
   void add_rigidity(const GraphPose& pose, double weight);
   std::vector<Part> solve() const;

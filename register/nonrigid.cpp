@@ -79,6 +79,15 @@ Matches find_matches(const Topology& topology, const Points& positions, const st
   return matches;
 }
 
+// Both of each pair go to where they meet; a graph has no edge over the gap that could hold them together.
+void add_meetings(const std::vector<std::pair<int, int>>& touching, const Points& positions,
+                  std::vector<PointTerm>& points) {
+  for (const auto& [a, b] : touching) {
+    const Eigen::Vector3d middle = 0.5 * (positions.row(a) + positions.row(b)).transpose();
+    for (int v : {a, b}) points.push_back({v, middle, 1.0});
+  }
+}
+
 }  // namespace
 
 void Annealing::validate() const {
@@ -122,11 +131,11 @@ void NonrigidFit::follow(const std::vector<PointTerm>& points, double stiffness,
   GraphFitWeights weights;
   weights.smoothness = stiffness;
   weights.rigidity = options_.rigidity;
-  for (int step = 0; step < steps; ++step) fit_.step(pose_, {{}, points, {}}, weights);
+  for (int step = 0; step < steps; ++step) fit_.step(pose_, {}, points, weights);
   result_.positions = deformed(graph_, pose_, rest_, start_);
 }
 
-void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector<PairTerm>& pairs,
+void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector<std::pair<int, int>>& touching,
                          const Annealing& annealing, Progress& progress) {
   annealing.validate();
   progress.begin("fitting", static_cast<std::size_t>(annealing.stages));
@@ -139,16 +148,17 @@ void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector
     GraphFitWeights weights;
     weights.smoothness = between(annealing.first_stiffness, annealing.last_stiffness, t);
     weights.rigidity = options_.rigidity;
-    GraphTerms terms{{}, points, pairs};
-    for (PointTerm& point : terms.points) point.weight *= between(annealing.first_points, annealing.last_points, t);
+    std::vector<PointTerm> drawn = points;
+    for (PointTerm& point : drawn) point.weight *= between(annealing.first_points, annealing.last_points, t);
     const double limit = between(annealing.first_limit, annealing.last_limit, t);
     for (int step = 0; step < annealing.steps_a_stage; ++step) {
-      Matches matches =
+      const Matches matches =
           find_matches(topology_, result_.positions, vertices, scan_, limit, options_.least_cosine, graph_.size());
       if (result_.steps++ == 0) result_.initial_error = matches.mean_distance;
       result_.final_error = matches.mean_distance;
-      terms.planes = std::move(matches.planes);
-      const double moved = fit_.step(pose_, terms, weights);
+      drawn.resize(points.size());
+      add_meetings(touching, result_.positions, drawn);
+      const double moved = fit_.step(pose_, matches.planes, drawn, weights);
       result_.positions = deformed(graph_, pose_, rest_, start_);
       if (moved < 0.01) break;
     }

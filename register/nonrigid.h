@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "core/progress.h"
@@ -40,15 +41,16 @@ struct NonrigidResult {
 class NonrigidFit {
  public:
   /// `rest` is the shape to keep, `start` where it is thought to be (both vertex_count×3, scan frame, mm). `detail`
-  /// (k×3, rest frame) are places that deserve more nodes: eyes, nose, lips. All arguments must outlive this.
+  /// (k×3, rest frame) are places that deserve more nodes: eyes, nose, lips. All but it and the options must outlive
+  /// this.
   NonrigidFit(const Topology& topology, const Points& rest, const Points& start, const std::vector<bool>& fitted,
               const ScanSurface& scan, const Points& detail, const NonrigidOptions& options);
 
   /// Steps under points alone, at the given stiffness.
   void follow(const std::vector<PointTerm>& points, double stiffness, int steps);
-  /// Steps under data, points and pairs; pairs keep their weight.
-  void anneal(const std::vector<PointTerm>& points, const std::vector<PairTerm>& pairs, const Annealing& annealing,
-              Progress& progress);
+  /// Steps under data and points; each of `touching` pairs of vertices meets in its middle.
+  void anneal(const std::vector<PointTerm>& points, const std::vector<std::pair<int, int>>& touching,
+              const Annealing& annealing, Progress& progress);
   /// Weight of a term of which every vertex has one, so that all of them weigh as much as the data.
   double unit() const;
   const Points& positions() const { return result_.positions; }  ///< of the graph

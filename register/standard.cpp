@@ -49,14 +49,12 @@ std::vector<int> fitted_face(const RefinedTemplate& model) {
   return vertices;
 }
 
-// Rims that touch in the scan are drawn together; those that stand open in it are left to the data.
-std::vector<PairTerm> sealing(const Template& head, const Points& positions, const ScanSurface& scan, double weight) {
-  std::vector<PairTerm> terms;
-  for (const Seal& seal : find_seals(head, positions, scan)) {
-    if (seal.scan_gap < 0.0 || seal.scan_gap > 0.5) continue;
-    for (const auto& [a, b] : seal.pairs) terms.push_back({a, b, weight});
-  }
-  return terms;
+// Pairs of rims that touch in the scan; those that stand open in it are left to the data.
+std::vector<std::pair<int, int>> sealed_pairs(const Template& head, const Points& positions, const ScanSurface& scan) {
+  std::vector<std::pair<int, int>> pairs;
+  for (const Seal& seal : find_seals(head, positions, scan))
+    if (seal.scan_gap >= 0.0 && seal.scan_gap <= 0.5) pairs.insert(pairs.end(), seal.pairs.begin(), seal.pairs.end());
+  return pairs;
 }
 
 // Rounds of flow, and what one vertex's sighting weighs against its data: colour marks the skin itself, relief changes
@@ -85,7 +83,7 @@ void follow_look(const FitInput& input, const Registered& neutral, const Similar
   for (int round = 0; round < trust.rounds; ++round) {
     const std::vector<PointTerm> sightings =
         flow_targets(model.topology(), face, {neutral.on_look, *neutral.look}, {fit.positions(), look}, scan_from_face);
-    fit.anneal(sightings, sealing(model.head, fit.positions(), input.scan, 1.0), annealing, progress);
+    fit.anneal(sightings, sealed_pairs(model.head, fit.positions(), input.scan), annealing, progress);
   }
 }
 
@@ -105,11 +103,13 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   const Points start = model.loop(map(head.neutral));
   const Points rest = transformed(alignment.scan_from_template, model.neutral);
   NonrigidOptions options;
-  options.rigidity = 0.2;
+  options.rigidity = 0.05;
+  options.annealing.first_stiffness = 3.0;
+  options.annealing.last_points = 0.0003;
   NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
-  nonrigid.anneal(landmark_terms(fit.anchors), {}, {}, progress);
-  if (const auto seals = sealing(head, nonrigid.positions(), input.scan, 1.0); !seals.empty()) {
-    Annealing closing;
+  nonrigid.anneal(landmark_terms(fit.anchors), {}, options.annealing, progress);
+  if (const auto seals = sealed_pairs(head, nonrigid.positions(), input.scan); !seals.empty()) {
+    Annealing closing = options.annealing;
     closing.first_stiffness = 0.002;
     closing.first_limit = closing.last_limit;
     closing.first_points = closing.last_points;
