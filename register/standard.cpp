@@ -63,7 +63,7 @@ struct FlowTrust {
   int rounds;
   double weight;
 };
-FlowTrust flow_trust(bool coloured) { return coloured ? FlowTrust{2, 1.0} : FlowTrust{1, 0.15}; }
+FlowTrust flow_trust(bool coloured) { return coloured ? FlowTrust{2, 1.0} : FlowTrust{1, 0.05}; }
 
 // The person's own look, carried along by the fit and found again on the scan, says where skin has gone that has no
 // landmark.

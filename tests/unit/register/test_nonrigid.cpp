@@ -83,6 +83,58 @@ TEST(GraphFit, PullsAllVerticesToGivenPlaces) {
   EXPECT_LT((deformed(graph, pose, ball.positions, ball.positions) - target).rowwise().norm().maxCoeff(), 0.02);
 }
 
+TEST(GraphFit, CarriesAStretchAlongFromAFewPlaces) {
+  // One face is wider than another: what a few places say of that, all of the skin follows.
+  const Mesh ball = test::bumpy_sphere(20, 0.0, 1);
+  const DeformationGraph graph = graph_on(ball, 25.0);
+  const Points target = ball.positions * Eigen::DiagonalMatrix<double, 3>(1.15, 1.0, 0.95);
+  std::vector<PointTerm> points;
+  for (int v = 0; v < ball.positions.rows(); v += 9) points.push_back({v, target.row(v), 1.0});
+  GraphPose pose = GraphPose::rest(graph);
+  GraphFit fit(graph, ball.positions);
+  for (int step = 0; step < 10; ++step) fit.step(pose, {}, points, {});
+  // An affine map costs no smoothness, so only the solver's tolerance is left; locally rigid pieces stay millimetres
+  // off.
+  EXPECT_LT((deformed(graph, pose, ball.positions, ball.positions) - target).rowwise().norm().maxCoeff(), 0.1);
+}
+
+TEST(NonrigidFit, TouchingRimsMeet) {
+  // Two sheets 2 mm apart whose edges a scan shows closed: a sheet without a gap.
+  Mesh lips, closed;
+  auto strips = [](double gap) {
+    Mesh mesh;
+    mesh.positions.resize(160, 3);
+    Triangles triangles(2 * 2 * 19 * 3, 3);
+    int t = 0;
+    for (int side : {0, 1})
+      for (int i = 0; i < 20; ++i)
+        for (int j = 0; j < 4; ++j) {
+          const double y = (side == 0 ? -1.0 : 1.0) * (0.5 * gap + 4.0 * j);
+          mesh.positions.row(80 * side + 4 * i + j) << 3.0 * i, y, 0;
+          if (i == 19 || j == 3) continue;
+          const int a = 80 * side + 4 * i + j, up = side == 0 ? 4 : 1, right = side == 0 ? 1 : 4;
+          triangles.row(t++) << a, a + up, a + up + right;
+          triangles.row(t++) << a, a + up + right, a + right;
+        }
+    mesh.topology = Topology::from_triangles(160, triangles.topRows(t));
+    return mesh;
+  };
+  lips = strips(2.0);
+  closed = strips(0.0);
+  closed.positions.col(2).array() -= 0.5;
+  const ScanSurface scan(closed);
+  NonrigidOptions options;
+  options.far_spacing = 8.0;
+  const Points none(0, 3);
+  NonrigidFit fit(*lips.topology, lips.positions, lips.positions, everywhere(lips), scan, none, options);
+  std::vector<std::pair<int, int>> rims;
+  for (int i = 0; i < 20; ++i) rims.emplace_back(4 * i, 80 + 4 * i);
+  fit.anneal({}, rims, {}, Progress::none());
+  double widest = 0.0;
+  for (const auto& [a, b] : rims) widest = std::max(widest, (fit.positions().row(a) - fit.positions().row(b)).norm());
+  EXPECT_LT(widest, 0.1);
+}
+
 // A warp a face could undergo: smooth, some millimetres, not along normals only.
 Eigen::Vector3d warped(const Eigen::Vector3d& p) {
   return p + Eigen::Vector3d(3.0 * std::sin(p.y() / 40.0), 2.5 * std::sin(p.z() / 35.0 + 1.0),

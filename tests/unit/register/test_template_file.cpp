@@ -69,9 +69,9 @@ TEST_F(TemplateFile, ComesBackAsWritten) {
 }
 
 TEST_F(TemplateFile, AnObjAloneHasItsUnitsGuessed) {
-  const Template head = read_template(folder / "template.obj");  // 8 × 6 × 2 units: no head in any unit
+  const Template head = read_template(folder / "template.obj");  // 8 × 6 × 2 units: a head in inches alone
   EXPECT_FALSE(head.ibug68);
-  EXPECT_NEAR(head.neutral(10, 0), 1.0, 1e-9);
+  EXPECT_NEAR(head.neutral(10, 0), 25.4, 1e-9);
 }
 
 TEST_F(TemplateFile, SaysWhatIsWrongAndWhere) {
