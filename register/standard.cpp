@@ -87,6 +87,15 @@ void follow_look(const FitInput& input, const Registered& neutral, const Similar
   }
 }
 
+// The template's size and place by all of its skin: landmarks seen in pictures are off alike and would tell another.
+Similarity head_on_scan(const RefinedTemplate& model, const Similarity& by_landmarks, const ScanSurface& scan) {
+  std::vector<int> skin;
+  for (int v = 0; v < model.topology().vertex_count(); v += 3)
+    if (model.fitted[v]) skin.push_back(v);
+  const Alignment found = align_surface(model.topology(), model.neutral, skin, scan, by_landmarks, Scaling::free);
+  return found.rms < 0.0 ? by_landmarks : found.scan_from_template;
+}
+
 }  // namespace
 
 Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
@@ -101,7 +110,7 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   const RbfMap map =
       start_warp(head.neutral, model.fitted_control, fit.anchors, alignment.scan_from_template, input.scan);
   const Points start = model.loop(map(head.neutral));
-  const Points rest = transformed(alignment.scan_from_template, model.neutral);
+  const Points rest = transformed(head_on_scan(model, alignment.scan_from_template, input.scan), model.neutral);
   NonrigidOptions options;
   options.rigidity = 0.05;
   options.annealing.first_stiffness = 3.0;
