@@ -135,8 +135,7 @@ void NonrigidFit::follow(const std::vector<PointTerm>& points, double stiffness,
   result_.positions = deformed(graph_, pose_, rest_, start_);
 }
 
-void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector<std::pair<int, int>>& touching,
-                         const Annealing& annealing, Progress& progress) {
+void NonrigidFit::anneal(const Pulls& pulls, const Annealing& annealing, Progress& progress) {
   annealing.validate();
   progress.begin("fitting", static_cast<std::size_t>(annealing.stages));
   for (int stage = 0; stage < annealing.stages; ++stage) {
@@ -148,16 +147,18 @@ void NonrigidFit::anneal(const std::vector<PointTerm>& points, const std::vector
     GraphFitWeights weights;
     weights.smoothness = between(annealing.first_stiffness, annealing.last_stiffness, t);
     weights.rigidity = options_.rigidity;
-    std::vector<PointTerm> drawn = points;
+    std::vector<PointTerm> drawn = pulls.annealed;
     for (PointTerm& point : drawn) point.weight *= between(annealing.first_points, annealing.last_points, t);
+    drawn.insert(drawn.end(), pulls.kept.begin(), pulls.kept.end());
+    const std::size_t lasting = drawn.size();
     const double limit = between(annealing.first_limit, annealing.last_limit, t);
     for (int step = 0; step < annealing.steps_a_stage; ++step) {
       const Matches matches =
           find_matches(topology_, result_.positions, vertices, scan_, limit, options_.least_cosine, graph_.size());
       if (result_.steps++ == 0) result_.initial_error = matches.mean_distance;
       result_.final_error = matches.mean_distance;
-      drawn.resize(points.size());
-      add_meetings(touching, result_.positions, drawn);
+      drawn.resize(lasting);
+      add_meetings(pulls.touching, result_.positions, drawn);
       const double moved = fit_.step(pose_, matches.planes, drawn, weights);
       result_.positions = deformed(graph_, pose_, rest_, start_);
       if (moved < 0.01) break;
@@ -180,7 +181,7 @@ NonrigidResult fit_nonrigid(const Topology& topology, const Points& rest, const 
                             const std::vector<PointTerm>& points, const Points& detail, const NonrigidOptions& options,
                             Progress& progress) {
   NonrigidFit fit(topology, rest, start, fitted, scan, detail, options);
-  fit.anneal(points, {}, options.annealing, progress);
+  fit.anneal({points, {}}, options.annealing, progress);
   return fit.finished();
 }
 

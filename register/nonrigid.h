@@ -9,11 +9,18 @@
 
 namespace vultus::registration {
 
+/// What a fit heeds beside the scan's surface.
+struct Pulls {
+  std::vector<PointTerm> annealed;              ///< what starts the fit and then gives way
+  std::vector<PointTerm> kept;                  ///< what holds to the end, such as points placed by hand
+  std::vector<std::pair<int, int>> touching{};  ///< vertices that meet in their middle
+};
+
 /// How a fit is let go: everything goes geometrically from its first to its last value.
 struct Annealing {
   double first_stiffness = 30.0, last_stiffness = 0.0005;  ///< against one unit of data a node
   double first_limit = 15.0, last_limit = 3.0;             ///< mm: farthest correspondence
-  double first_points = 2.0, last_points = 0.003;          ///< weight of the points given
+  double first_points = 2.0, last_points = 0.003;          ///< weight of the annealed points
   int stages = 7, steps_a_stage = 4;
   void validate() const;  ///< throws `InputError`
 };
@@ -48,9 +55,8 @@ class NonrigidFit {
 
   /// Steps under points alone, at the given stiffness.
   void follow(const std::vector<PointTerm>& points, double stiffness, int steps);
-  /// Steps under data and points; each of `touching` pairs of vertices meets in its middle.
-  void anneal(const std::vector<PointTerm>& points, const std::vector<std::pair<int, int>>& touching,
-              const Annealing& annealing, Progress& progress);
+  /// Steps under the scan's surface and pulls.
+  void anneal(const Pulls& pulls, const Annealing& annealing, Progress& progress);
   /// Weight of a term of which every vertex has one, so that all of them weigh as much as the data.
   double unit() const;
   const Points& positions() const { return result_.positions; }  ///< of the graph

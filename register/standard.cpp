@@ -21,11 +21,15 @@ std::string number(double value, const char* format = "%.2f") {
   return text;
 }
 
-std::vector<PointTerm> landmark_terms(const Anchors& anchors) {
-  std::vector<PointTerm> terms;
-  for (int i = 0; i < anchors.size(); ++i)
-    terms.push_back({anchors.vertices[i], anchors.targets.row(i).transpose(), std::sqrt(anchors.confidence[i])});
-  return terms;
+// Found landmarks are millimetres off and only start the fit; those placed by hand hold.
+Pulls landmark_pulls(const Anchors& anchors) {
+  Pulls pulls;
+  for (int i = 0; i < anchors.size(); ++i) {
+    const Eigen::Vector3d target = anchors.targets.row(i);
+    if (anchors.confidence[i] >= 1.0) pulls.kept.push_back({anchors.vertices[i], target, 0.3});
+    pulls.annealed.push_back({anchors.vertices[i], target, std::sqrt(anchors.confidence[i])});
+  }
+  return pulls;
 }
 
 // Eyes, nose and lips, where nodes stand closer.
@@ -67,8 +71,8 @@ FlowTrust flow_trust(bool coloured) { return coloured ? FlowTrust{2, 1.0} : Flow
 
 // The person's own look, carried along by the fit and found again on the scan, says where skin has gone that has no
 // landmark.
-void follow_look(const FitInput& input, const Registered& neutral, const Similarity& scan_from_face, NonrigidFit& fit,
-                 Progress& progress) {
+void follow_look(const FitInput& input, const Registered& neutral, const Similarity& scan_from_face, Pulls pulls,
+                 NonrigidFit& fit, Progress& progress) {
   if (!neutral.look) return;
   const RefinedTemplate& model = input.model;
   const Appearance look(input.prepared.scan);
@@ -81,9 +85,10 @@ void follow_look(const FitInput& input, const Registered& neutral, const Similar
   annealing.first_points = annealing.last_points = trust.weight * fit.unit();
   annealing.stages = 3;
   for (int round = 0; round < trust.rounds; ++round) {
-    const std::vector<PointTerm> sightings =
+    pulls.annealed =
         flow_targets(model.topology(), face, {neutral.on_look, *neutral.look}, {fit.positions(), look}, scan_from_face);
-    fit.anneal(sightings, sealed_pairs(model.head, fit.positions(), input.scan), annealing, progress);
+    pulls.touching = sealed_pairs(model.head, fit.positions(), input.scan);
+    fit.anneal(pulls, annealing, progress);
   }
 }
 
@@ -116,14 +121,16 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   options.annealing.first_stiffness = 3.0;
   options.annealing.last_points = 0.0003;
   NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
-  nonrigid.anneal(landmark_terms(fit.anchors), {}, options.annealing, progress);
-  if (const auto seals = sealed_pairs(head, nonrigid.positions(), input.scan); !seals.empty()) {
+  Pulls pulls = landmark_pulls(fit.anchors);
+  nonrigid.anneal(pulls, options.annealing, progress);
+  pulls.touching = sealed_pairs(head, nonrigid.positions(), input.scan);
+  if (!pulls.touching.empty()) {
     Annealing closing = options.annealing;
     closing.first_stiffness = 0.002;
     closing.first_limit = closing.last_limit;
     closing.first_points = closing.last_points;
     closing.stages = 1;
-    nonrigid.anneal(landmark_terms(fit.anchors), seals, closing, progress);
+    nonrigid.anneal(pulls, closing, progress);
   }
   fit.positions = nonrigid.finished().positions;
   fit.face_from_scan = upright(head, fit.positions, model.neutral);
@@ -142,8 +149,8 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
   if (jaw.drop > 0.0)
     fit.decisions.push_back("chin moved by " + number(jaw.drop, "%.0f") + " mm, turned by " +
                             number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
-  std::vector<PointTerm> pulls = landmark_terms(fit.anchors);
-  pulls.insert(pulls.end(), jaw.terms.begin(), jaw.terms.end());
+  Pulls pulls = landmark_pulls(fit.anchors);
+  pulls.annealed.insert(pulls.annealed.end(), jaw.terms.begin(), jaw.terms.end());
   NonrigidOptions options;
   options.free_scale = false;
   options.rigidity = 1.0;
@@ -151,13 +158,13 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
   options.annealing.last_stiffness = 0.0002;
   options.annealing.first_points = 5.0;
   options.annealing.last_points = 0.005;
-  std::vector<PointTerm> opening = pulls;
+  std::vector<PointTerm> opening = pulls.annealed;
   for (PointTerm& pull : opening) pull.weight *= 2.0 * options.annealing.first_points;
   NonrigidFit nonrigid(model.topology(), start.rest, start.rest, model.fitted, input.scan, detail(head, start.rest),
                        options);
   nonrigid.follow(opening, 0.1 * options.annealing.first_stiffness, 6);
-  nonrigid.anneal(pulls, {}, options.annealing, progress);
-  follow_look(input, neutral, start.scan_from_face, nonrigid, progress);
+  nonrigid.anneal(pulls, options.annealing, progress);
+  follow_look(input, neutral, start.scan_from_face, pulls, nonrigid, progress);
   fit.positions = nonrigid.finished().positions;
   const std::vector<int> rigid = model.rigid();
   fit.face_from_scan = fit_similarity_robust(fit.positions(rigid, Eigen::all),

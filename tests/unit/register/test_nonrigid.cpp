@@ -129,10 +129,28 @@ TEST(NonrigidFit, TouchingRimsMeet) {
   NonrigidFit fit(*lips.topology, lips.positions, lips.positions, everywhere(lips), scan, none, options);
   std::vector<std::pair<int, int>> rims;
   for (int i = 0; i < 20; ++i) rims.emplace_back(4 * i, 80 + 4 * i);
-  fit.anneal({}, rims, {}, Progress::none());
+  fit.anneal({{}, {}, rims}, {}, Progress::none());
   double widest = 0.0;
   for (const auto& [a, b] : rims) widest = std::max(widest, (fit.positions().row(a) - fit.positions().row(b)).norm());
   EXPECT_LT(widest, 0.1);
+}
+
+TEST(NonrigidFit, PointsPlacedByHandHold) {
+  // A plane says nothing of places along it: a kept point goes where it is told, an annealed one is let go.
+  Mesh sheet = test::bumpy_sphere(30, 0.0, 1);
+  const ScanSurface scan(sheet);
+  NonrigidOptions options;
+  options.far_spacing = 20.0;
+  const Points none(0, 3);
+  const int vertex = 30 * 60 / 2;
+  const Eigen::Vector3d from = sheet.positions.row(vertex), to = 92.0 * (from + Eigen::Vector3d(0, 6, 0)).normalized();
+  auto left = [&](const Pulls& pulls) {
+    NonrigidFit fit(*sheet.topology, sheet.positions, sheet.positions, everywhere(sheet), scan, none, options);
+    fit.anneal(pulls, {}, Progress::none());
+    return (fit.positions().row(vertex).transpose() - to).norm();
+  };
+  const std::vector<PointTerm> point = {{vertex, to, 1.0}};
+  EXPECT_LT(left({{}, point}), 0.5 * left({point, {}}));
 }
 
 // A warp a face could undergo: smooth, some millimetres, not along normals only.
