@@ -32,7 +32,8 @@ Anchors make_anchors(const Template& head, const Points& vertices, const ScanLan
                      const ScanLandmarks* seen_template, double least_confidence, bool chin = false);
 
 /// Leaves out found landmarks (confidence below 1) that lie farther from `rest`, the neutral moved rigidly into the
-/// scan, than skin can go there, and with a corner of an eye that whole eye.
+/// scan, than skin can go there, and with a corner of an eye that whole eye, with the middle of the upper lip the
+/// mouth.
 Anchors plausible_anchors(const Anchors& anchors, const Points& rest);
 
 /// `found` with every point that `given` names replaced by the given one.

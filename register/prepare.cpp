@@ -16,6 +16,18 @@ namespace {
 constexpr std::size_t enough_given = 10;
 // Share of the views that see a face from where it faces, or the margin of its shape over the next best place.
 constexpr double least_agreement = 0.5;
+// A nose hardly changes with the expression: where views disagree about it, a gaping mouth was taken for something
+// else.
+constexpr double least_nose_confidence = 0.4;
+
+double nose_confidence(const ScanLandmarks& points) {
+  std::vector<double> found;
+  for (const ScanLandmark& point : points)
+    if (const auto ibug = ibug_index(point.name); ibug && *ibug >= 27 && *ibug <= 35) found.push_back(point.confidence);
+  if (found.empty()) return 0.0;
+  std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
+  return found[found.size() / 2];
+}
 
 std::string number(double value, const char* format = "%.2f") {
   char text[32];
@@ -59,7 +71,9 @@ DetectedLandmarks Preparation::found(const Mesh& scan, const Points* neutral) co
   if (options_.landmarks_by == LandmarkFinder::pictures) return detect_landmarks(scan, finder());
   std::string why;
   try {
-    return detect_landmarks(scan, finder());
+    const DetectedLandmarks pictured = detect_landmarks(scan, finder());
+    if (nose_confidence(pictured.points) >= least_nose_confidence) return pictured;
+    why = "views of the scan disagree where the nose is";
   } catch (const InputError&) {
     why = "pictures of the scan show no face";
   } catch (const ToolError&) {
