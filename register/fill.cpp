@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <string>
 
 #include "core/error.h"
 #include "core/neighbours.h"
@@ -75,12 +76,13 @@ Points fit_smoothly(const Topology& topology, const Points& displacements, const
 }
 
 std::vector<bool> fitted_vertices(const Topology& topology) {
-  constexpr std::array<const char*, 11> inner = {"eyeball",  "eye_socket",  "eye_blend",    "eye_occlusion",
-                                                 "eyelashes", "lacrimal",   "inner_mouth",  "mouth_cavity",
+  constexpr std::array<const char*, 11> inner = {"eyeball",   "eye_socket", "eye_blend",   "eye_occlusion",
+                                                 "eyelashes", "lacrimal",   "inner_mouth", "mouth_cavity",
                                                  "teeth",     "gums",       "tongue"};
   std::vector<bool> fitted(topology.vertex_count(), true);
   for (const auto& [name, vertices] : topology.sets()) {
-    if (std::none_of(inner.begin(), inner.end(), [&](const char* prefix) { return name.starts_with(prefix); })) continue;
+    if (std::none_of(inner.begin(), inner.end(), [&](const char* prefix) { return name.starts_with(prefix); }))
+      continue;
     for (const int v : vertices) fitted[v] = false;
   }
   return fitted;
@@ -111,6 +113,18 @@ std::vector<bool> exposed_vertices(const Topology& topology, const Points& posit
   return std::vector<bool>(exposed.begin(), exposed.end());
 }
 
+namespace {
+
+std::vector<bool> vertices_of_sets(const Topology& topology, const std::string& prefix) {
+  std::vector<bool> inside(topology.vertex_count(), false);
+  for (const auto& [name, vertices] : topology.sets())
+    if (name.starts_with(prefix))
+      for (int v : vertices) inside[v] = true;
+  return inside;
+}
+
+}  // namespace
+
 void carry_components(const Topology& topology, const Points& rest, const std::vector<bool>& fitted, bool free_scale,
                       Points& moved) {
   const std::vector<int> component = components(topology);
@@ -126,13 +140,19 @@ void carry_components(const Topology& topology, const Points& rest, const std::v
     if (!touched[component[v]]) bodies[component[v]].push_back(v);
   if (bodies.empty() || skin.size() < 8) return;
 
+  const std::vector<bool> in_eye = vertices_of_sets(topology, "eye");
   const PointTree tree(rest(skin, Eigen::all));
   for (const auto& [number, vertices] : bodies) {
     const Points body = rest(vertices, Eigen::all);
     const Eigen::Vector3d centre = body.colwise().mean().transpose();
+    // Lids slide over an eyeball that stays in its socket: the skin beyond them tells where that is.
+    const double radius = (body.rowwise() - centre.transpose()).rowwise().norm().maxCoeff();
+    const double nearest = in_eye[vertices.front()] ? 1.4 * radius : 0.0;
     std::vector<int> around;
-    for (const auto& neighbour : tree.nearest(centre, std::min<int>(200, static_cast<int>(skin.size()))))
-      around.push_back(skin[neighbour.index]);
+    for (const auto& neighbour : tree.nearest(centre, static_cast<int>(skin.size()))) {
+      if (neighbour.distance >= nearest) around.push_back(skin[neighbour.index]);
+      if (around.size() == 200) break;
+    }
     const Points source = rest(around, Eigen::all), target = moved(around, Eigen::all);
     const RobustFit fit = fit_similarity_robust(source, target, free_scale ? Scaling::free : Scaling::fixed, 0.5);
     const Points placed = transformed(fit.target_from_source, body);
