@@ -49,4 +49,11 @@ ExpressionStart start_expression(const FitInput& input, const Registered& neutra
   return start;
 }
 
+Similarity back_to_neutral(const RefinedTemplate& model, const Registered& neutral, const Points& positions) {
+  const std::vector<int> rigid = model.rigid();
+  return fit_similarity_robust(positions(rigid, Eigen::all), neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed,
+                               0.2)
+      .target_from_source;
+}
+
 }  // namespace vultus::registration

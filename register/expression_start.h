@@ -19,4 +19,8 @@ struct ExpressionStart {
 /// wrong alike on both does no harm. Throws `InputError` when fewer than 6 landmarks can be trusted.
 ExpressionStart start_expression(const FitInput& input, const Registered& neutral);
 
+/// The rigid motion that takes a fitted pose (refined topology, scan frame) to the neutral's place by the skin that
+/// expressions leave alone.
+Similarity back_to_neutral(const RefinedTemplate& model, const Registered& neutral, const Points& positions);
+
 }  // namespace vultus::registration

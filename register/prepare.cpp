@@ -1,13 +1,13 @@
 #include "register/prepare.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "core/error.h"
 #include "register/anchors.h"
 #include "register/face_finder.h"
 #include "register/geometric_landmarks.h"
 #include "register/minor_landmarks.h"
+#include "register/number_text.h"
 
 namespace vultus::registration {
 namespace {
@@ -27,12 +27,6 @@ double nose_confidence(const ScanLandmarks& points) {
   if (found.empty()) return 0.0;
   std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
   return found[found.size() / 2];
-}
-
-std::string number(double value, const char* format = "%.2f") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "register/sanchez.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "register/align.h"
 #include "register/control_surface.h"
@@ -9,6 +8,7 @@
 #include "register/expression_start.h"
 #include "register/fill.h"
 #include "register/jaw.h"
+#include "register/number_text.h"
 #include "register/project.h"
 #include "register/smooth_projection.h"
 #include "register/start_warp.h"
@@ -21,12 +21,6 @@ namespace {
 // expression: landmarks found on a neutral mislead by millimetres along the skin, which only the shape can tell.
 constexpr EnergyWeights another_person{1.0, 10.0, 100.0};
 constexpr EnergyWeights same_person{1.0, 2.0, 30.0};
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
-}
 
 std::string in_words(const EnergyRegistration& energy, int controls) {
   return "energy over " + std::to_string(controls) + " control points: distance " + number(energy.initial.distance) +
@@ -131,10 +125,7 @@ Fit fit_sanchez_expression(const FitInput& input, const Registered& neutral, Pro
   fit.anchors = std::move(start.anchors);
   fit.positions = fitted_by_energy(input, controls, start.rest, from, same_person, fit, progress);
   carry_components(model.topology(), start.rest, model.fitted, false, fit.positions);
-  const std::vector<int> rigid = model.rigid();
-  fit.face_from_scan = fit_similarity_robust(fit.positions(rigid, Eigen::all),
-                                             neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
-                           .target_from_source;
+  fit.face_from_scan = back_to_neutral(model, neutral, fit.positions);
   return fit;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/error.h"
+#include "register/calmed_normals.h"
 
 namespace vultus::registration {
 namespace {
@@ -41,24 +42,12 @@ double spacing_of(const Mesh& scan) {
   return std::sqrt(4.0 / std::sqrt(3.0) * area / std::max<double>(1.0, static_cast<double>(triangles.rows())));
 }
 
-// Normals averaged over about a millimetre, however dense the scan is: 0.1 mm of noise turns those of half-millimetre
-// triangles by tens of degrees, and a fit drawn along them creeps over the surface.
-Points calmed_normals(const Mesh& scan) {
-  Points normals = vertex_normals(*scan.topology, scan.positions);
-  const Triangles& triangles = scan.topology->triangles();
+// Rounds that average normals over about a millimetre, however dense the scan is: 0.1 mm of noise turns those of
+// half-millimetre triangles by tens of degrees, and a fit drawn along them creeps over the surface.
+int calming_rounds(const Mesh& scan) {
   constexpr double reach = 1.0;  // mm
-  const double steps = 2.0 * std::pow(reach / std::max(1e-3, spacing_of(scan)), 2);
-  const int rounds = std::clamp(static_cast<int>(std::lround(steps)), 1, 20);
-  for (int round = 0; round < rounds; ++round) {
-    Points sum = normals;
-    for (int t = 0; t < triangles.rows(); ++t) {
-      const Eigen::RowVector3d mean =
-          (normals.row(triangles(t, 0)) + normals.row(triangles(t, 1)) + normals.row(triangles(t, 2))) / 3.0;
-      for (int k = 0; k < 3; ++k) sum.row(triangles(t, k)) += mean;
-    }
-    normals = sum.rowwise().normalized();
-  }
-  return normals;
+  const double rounds = 2.0 * std::pow(reach / std::max(1e-3, spacing_of(scan)), 2);
+  return std::clamp(static_cast<int>(std::lround(rounds)), 1, 20);
 }
 
 }  // namespace
@@ -66,7 +55,7 @@ Points calmed_normals(const Mesh& scan) {
 ScanSurface::ScanSurface(const Mesh& scan, std::vector<bool> invented)
     : scan_(&scan),
       rays_(*scan.topology, scan.positions),
-      normals_(calmed_normals(scan)),
+      normals_(calmed_normals(scan, calming_rounds(scan))),
       border_(border_vertices(*scan.topology)),
       invented_(std::move(invented)) {
   if (invented_.empty()) return;

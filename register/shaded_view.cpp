@@ -6,25 +6,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "register/calmed_normals.h"
 
 namespace vultus::registration {
 namespace {
-
-// Vertex normals averaged over rings of triangles until they span more than a scanner's noise.
-Points smoothed_normals(const Mesh& scan, int rounds) {
-  const Triangles& triangles = scan.topology->triangles();
-  Points normals = vertex_normals(*scan.topology, scan.positions);
-  for (int round = 0; round < rounds; ++round) {
-    Points sum = normals;
-    for (int t = 0; t < triangles.rows(); ++t) {
-      const Eigen::RowVector3d mean =
-          (normals.row(triangles(t, 0)) + normals.row(triangles(t, 1)) + normals.row(triangles(t, 2))) / 3.0;
-      for (int k = 0; k < 3; ++k) sum.row(triangles(t, k)) += mean;
-    }
-    normals = sum.rowwise().normalized();
-  }
-  return normals;
-}
 
 // About 2 mm on a head, whatever the scan's density.
 int smoothing_rounds(const Mesh& scan) {
@@ -36,7 +21,7 @@ int smoothing_rounds(const Mesh& scan) {
 }  // namespace
 
 ScanPictures::ScanPictures(const Mesh& scan)
-    : scan_(&scan), rays_(*scan.topology, scan.positions), normals_(smoothed_normals(scan, smoothing_rounds(scan))) {
+    : scan_(&scan), rays_(*scan.topology, scan.positions), normals_(calmed_normals(scan, smoothing_rounds(scan))) {
   if (scan.has_colours() || scan.texture.empty() || !scan.topology->has_uvs()) return;
   try {
     texture_ = read_image(scan.texture);

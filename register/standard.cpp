@@ -1,7 +1,6 @@
 #include "register/standard.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "register/align.h"
 #include "register/appearance.h"
@@ -9,17 +8,12 @@
 #include "register/flow_alignment.h"
 #include "register/jaw.h"
 #include "register/nonrigid.h"
+#include "register/number_text.h"
 #include "register/seals.h"
 #include "register/start_warp.h"
 
 namespace vultus::registration {
 namespace {
-
-std::string number(double value, const char* format = "%.2f") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // Found landmarks are millimetres off and only start the fit; those placed by hand hold.
 Pulls landmark_pulls(const Anchors& anchors) {
@@ -166,10 +160,7 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
   nonrigid.anneal(pulls, options.annealing, progress);
   follow_look(input, neutral, start.scan_from_face, pulls, nonrigid, progress);
   fit.positions = nonrigid.finished().positions;
-  const std::vector<int> rigid = model.rigid();
-  fit.face_from_scan = fit_similarity_robust(fit.positions(rigid, Eigen::all),
-                                             neutral.mesh.positions(rigid, Eigen::all), Scaling::fixed, 0.2)
-                           .target_from_source;
+  fit.face_from_scan = back_to_neutral(model, neutral, fit.positions);
   return fit;
 }
 

@@ -1,17 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "register/number_text.h"
 #include "register/quality.h"
 
 namespace vultus::registration {
 namespace {
-
-std::string number(double value, const char* format = "%.2f") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::string percent(double share) { return number(100.0 * share, "%.0f") + " %"; }
 

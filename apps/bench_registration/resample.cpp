@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "apps/virtual_stage/random_pose.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/rays.h"
@@ -190,19 +191,6 @@ double spacing_of(const Grid& grid) {
   return steps[steps.size() / 2];
 }
 
-Similarity random_pose(const ResampleOptions& options) {
-  Random random(options.seed, pose_stream);
-  double v[6];
-  for (double& value : v) value = random.uniform(-1.0, 1.0);
-  Similarity pose;
-  pose.rotation = (Eigen::AngleAxisd(options.max_rotation * v[0], Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(options.max_rotation * v[1], Eigen::Vector3d::UnitX()) *
-                   Eigen::AngleAxisd(options.max_rotation * v[2], Eigen::Vector3d::UnitZ()))
-                      .toRotationMatrix();
-  pose.translation = options.max_shift * Eigen::Vector3d(v[3], v[4], v[5]);
-  return pose;
-}
-
 }  // namespace
 
 void ResampleOptions::validate() const {
@@ -237,7 +225,8 @@ ResampledScan resample(const Mesh& surface, const std::vector<int>& face, const 
   ResampledScan scan;
   number_vertices(grid, scan, options);
   const Triangles triangles = joined(grid, scan.mesh.positions, reach);
-  scan.scan_from_surface = random_pose(options);
+  scan.scan_from_surface =
+      virtual_stage::random_pose(Random(options.seed, pose_stream), options.max_rotation, options.max_shift);
   scan.mesh.positions = transformed(scan.scan_from_surface, scan.mesh.positions);
   scan.mesh.topology = Topology::from_triangles(static_cast<int>(scan.mesh.positions.rows()), triangles);
   return scan;

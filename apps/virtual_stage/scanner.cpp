@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/virtual_stage/point_surface.h"
+#include "apps/virtual_stage/random_pose.h"
 #include "apps/virtual_stage/scan_clutter.h"
 #include "apps/virtual_stage/sensor_ring.h"
 #include "core/error.h"
@@ -22,19 +23,6 @@ enum Stream : std::uint64_t { pose_stream = 11, noise_stream, patch_stream, clut
 
 void expect(bool in_range, const std::string& option, const std::string& range) {
   if (!in_range) throw UsageError("scan option " + option + " must be " + range);
-}
-
-Similarity random_pose(const ScanOptions& options) {
-  Random random(options.seed, pose_stream);
-  double v[6];
-  for (double& value : v) value = random.uniform(-1.0, 1.0);
-  Similarity pose;
-  pose.rotation = (Eigen::AngleAxisd(options.max_rotation * v[0], Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(options.max_rotation * v[1], Eigen::Vector3d::UnitX()) *
-                   Eigen::AngleAxisd(options.max_rotation * v[2], Eigen::Vector3d::UnitZ()))
-                      .toRotationMatrix();
-  pose.translation = options.max_translation * Eigen::Vector3d(v[3], v[4], v[5]);
-  return pose;
 }
 
 // Grid spacing that yields half as many samples as triangles are asked, from a coarse trial.
@@ -162,7 +150,7 @@ void ScanOptions::validate() const {
 Scan scan_subject(const ScanSubject& subject, const ScanOptions& options) {
   options.validate();
   Scan scan;
-  scan.scan_from_face = random_pose(options);
+  scan.scan_from_face = random_pose(Random(options.seed, pose_stream), options.max_rotation, options.max_translation);
   const Topology& topology = *subject.surface.topology;
   const Points placed = transformed(scan.scan_from_face, subject.surface.positions);
   const RayScene scene(topology, placed);

@@ -10,25 +10,12 @@
 #include "register/detect_landmarks.h"
 #include "register/subdivide.h"
 #include "register/template_head.h"
+#include "with_finder.h"
 
 namespace vultus::registration {
 namespace {
 
-class DetectLandmarks : public testing::Test {
- protected:
-  static std::unique_ptr<FaceFinder> finder;
-  static void SetUpTestSuite() {
-    try {
-      finder = std::make_unique<FaceFinder>();
-    } catch (const ToolError&) {
-    }
-  }
-  static void TearDownTestSuite() { finder.reset(); }
-  void SetUp() override {
-    if (!finder) GTEST_SKIP() << "dlib's 68-point model is not installed (libdlib-data)";
-  }
-};
-std::unique_ptr<FaceFinder> DetectLandmarks::finder;
+class DetectLandmarks : public test::WithFinder {};
 
 TEST_F(DetectLandmarks, FindsTheFaceOfAHeadThatIsTurnedAndLaidOnItsSide) {
   const Template head = template_head();

@@ -8,25 +8,12 @@
 #include "register/face_search.h"
 #include "register/subdivide.h"
 #include "register/template_head.h"
+#include "with_finder.h"
 
 namespace vultus::registration {
 namespace {
 
-class FaceSearching : public testing::Test {
- protected:
-  static std::unique_ptr<FaceFinder> finder;
-  static void SetUpTestSuite() {
-    try {
-      finder = std::make_unique<FaceFinder>();
-    } catch (const ToolError&) {
-    }
-  }
-  static void TearDownTestSuite() { finder.reset(); }
-  void SetUp() override {
-    if (!finder) GTEST_SKIP() << "dlib's 68-point model is not installed (libdlib-data)";
-  }
-};
-std::unique_ptr<FaceFinder> FaceSearching::finder;
+class FaceSearching : public test::WithFinder {};
 
 Mesh joined(const Mesh& a, const Mesh& b) {
   Triangles triangles(a.topology->triangles().rows() + b.topology->triangles().rows(), 3);

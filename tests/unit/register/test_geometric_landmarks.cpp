@@ -8,21 +8,13 @@
 #include "register/geometric_landmarks.h"
 #include "register/shape_pose.h"
 #include "register/template_head.h"
+#include "shipped_head.h"
 
 namespace vultus::registration {
 namespace {
 
-const RefinedTemplate& model() {
-  static const RefinedTemplate built(template_head());
-  return built;
-}
-
-Mesh shape_of(const Points& positions) {
-  Mesh mesh;
-  mesh.topology = model().loop.refined();
-  mesh.positions = positions;
-  return mesh;
-}
+using test::model;
+using test::shape_of;
 
 Similarity lying_on_its_side() {
   Similarity pose;

@@ -6,21 +6,13 @@
 #include "core/error.h"
 #include "register/prepare.h"
 #include "register/template_head.h"
+#include "shipped_head.h"
 
 namespace vultus::registration {
 namespace {
 
-const RefinedTemplate& model() {
-  static const RefinedTemplate built(template_head());
-  return built;
-}
-
-Mesh shape_of(const Points& positions) {
-  Mesh mesh;
-  mesh.topology = model().loop.refined();
-  mesh.positions = positions;
-  return mesh;
-}
+using test::model;
+using test::shape_of;
 
 // dlib's model out of reach while it lives.
 class NoModel {

@@ -1,0 +1,13 @@
+#include "register/number_text.h"
+
+#include <cstdio>
+
+namespace vultus::registration {
+
+std::string number(double value, const char* format) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace vultus::registration

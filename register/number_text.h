@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace vultus::registration {
+
+/// A number for a sentence; `format` is printf's for one double.
+std::string number(double value, const char* format = "%.2f");
+
+}  // namespace vultus::registration
