@@ -103,7 +103,11 @@ CleanScan clean_scan(const Mesh& raw, const CleanOptions& options, Progress& pro
   report.duplicate_triangles = drop_repeated_triangles(soup);
   const std::vector<bool> sound = used_vertices(soup);  // repeated and broken ones do not count as taken out
   report.spike_vertices = drop_spikes(soup, options.spike_factor, 3);
-  for (int pass = 0; pass < 3; ++pass) report.clutter_vertices += drop_clutter(soup, options.wildness);
+  for (int pass = 0; pass < 3; ++pass) {
+    const int found = drop_clutter(soup, options.wildness);
+    report.clutter_vertices += found;
+    if (found == 0) break;
+  }
   report.spike_vertices += drop_border_spikes(soup, 0.5 * options.spike_factor, 6);
   progress.check();
   // Pieces are told apart after sheets that only touch have been taken apart and spikes' stumps cut loose.

@@ -1,7 +1,10 @@
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "scan/corners.h"
 #include "scan/soup.h"
 
 namespace vultus::scan {
@@ -14,43 +17,49 @@ struct Surroundings {
   std::vector<float> sharp, corner;  // triangles that stand steep on their own corners' mean normal, and all
 };
 
-Surroundings at_vertices(const Soup& soup) {
-  const Eigen::Index vertices = soup.positions.rows();
+Surroundings at_vertices(const Soup& soup, const Corners& corners) {
+  const int vertices = corners.vertex_count();
+  Points areas(soup.triangles.size(), 3);
+  tbb::parallel_for(Eigen::Index{0}, areas.rows(),
+                    [&](Eigen::Index t) { areas.row(t) = area_vector(soup, static_cast<int>(t)); });
   Surroundings near{Points::Zero(vertices, 3), Eigen::VectorXd::Zero(vertices), {}, {}};
+  Points directions(vertices, 3);
+  tbb::parallel_for(0, vertices, [&](int v) {
+    for (const int corner : corners.at(v)) {
+      near.normal.row(v) += areas.row(corner / 3);
+      near.area[v] += areas.row(corner / 3).norm();
+    }
+    directions.row(v) = near.normal.row(v).normalized();
+  });
+  constexpr double steep = 0.6;  // cosine of 53 degrees
+  std::vector<char> sharp(soup.triangles.size());
+  tbb::parallel_for(Eigen::Index{0}, areas.rows(), [&](Eigen::Index t) {
+    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+    for (const int v : soup.triangles[t]) mean += directions.row(v);
+    sharp[t] = areas.row(t).dot(mean) < steep * areas.row(t).norm() * mean.norm();
+  });
   near.sharp.assign(vertices, 0.0f);
   near.corner.assign(vertices, 0.0f);
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
-    const Eigen::RowVector3d area = area_vector(soup, static_cast<int>(t));
-    for (int v : soup.triangles[t]) {
-      near.normal.row(v) += area;
-      near.area[v] += area.norm();
-    }
-  }
-  constexpr double steep = 0.6;  // cosine of 53 degrees
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
-    const Eigen::RowVector3d area = area_vector(soup, static_cast<int>(t));
-    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
-    for (int v : soup.triangles[t]) mean += near.normal.row(v).normalized();
-    const bool is_sharp = area.dot(mean) < steep * area.norm() * mean.norm();
-    for (int v : soup.triangles[t]) {
-      near.sharp[v] += is_sharp ? 1.0f : 0.0f;
-      near.corner[v] += 1.0f;
-    }
-  }
+  tbb::parallel_for(0, vertices, [&](int v) {
+    for (const int corner : corners.at(v)) near.sharp[v] += sharp[corner / 3] ? 1.0f : 0.0f;
+    near.corner[v] = static_cast<float>(corners.at(v).size());
+  });
   return near;
 }
 
 // The same a ring farther out.
-Surroundings widened(const Soup& soup, const Surroundings& near) {
+Surroundings widened(const Soup& soup, const Corners& corners, const Surroundings& near) {
   Surroundings wide = near;
-  for (const auto& c : soup.triangles)
-    for (int k = 0; k < 3; ++k)
-      for (int other : {c[(k + 1) % 3], c[(k + 2) % 3]}) {
-        wide.normal.row(c[k]) += near.normal.row(other);
-        wide.area[c[k]] += near.area[other];
-        wide.sharp[c[k]] += near.sharp[other];
-        wide.corner[c[k]] += near.corner[other];
+  tbb::parallel_for(0, corners.vertex_count(), [&](int v) {
+    for (const int corner : corners.at(v))
+      for (int k = 1; k < 3; ++k) {
+        const int other = soup.triangles[corner / 3][(corner + k) % 3];
+        wide.normal.row(v) += near.normal.row(other);
+        wide.area[v] += near.area[other];
+        wide.sharp[v] += near.sharp[other];
+        wide.corner[v] += near.corner[other];
       }
+  });
   return wide;
 }
 
@@ -128,7 +137,8 @@ int drop_border_spikes(Soup& soup, double factor, int passes) {
 }
 
 int drop_clutter(Soup& soup, double wildness) {
-  const Surroundings wide = widened(soup, at_vertices(soup));
+  const Corners corners(soup);
+  const Surroundings wide = widened(soup, corners, at_vertices(soup, corners));
   std::vector<bool> wild(soup.positions.rows());
   int found = 0;
   for (Eigen::Index v = 0; v < soup.positions.rows(); ++v) {

@@ -1,3 +1,5 @@
+#include <tbb/parallel_sort.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -135,7 +137,7 @@ int count_boundaries(const Soup& soup) {
   directed.reserve(3 * soup.triangles.size());
   for (const auto& c : soup.triangles)
     for (int k = 0; k < 3; ++k) directed.push_back(edge_key(c[k], c[(k + 1) % 3]));
-  std::sort(directed.begin(), directed.end());
+  tbb::parallel_sort(directed.begin(), directed.end());
   std::vector<int> parent(soup.positions.rows());
   std::iota(parent.begin(), parent.end(), 0);
   std::vector<bool> open(parent.size(), false);

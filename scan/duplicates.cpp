@@ -1,3 +1,5 @@
+#include <tbb/parallel_sort.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
@@ -30,7 +32,7 @@ int merge_equal_vertices(Soup& soup) {
   auto key = [&](int v) { return std::tuple(soup.positions(v, 0), soup.positions(v, 1), soup.positions(v, 2)); };
   order.erase(std::remove_if(order.begin(), order.end(), [&](int v) { return !soup.positions.row(v).allFinite(); }),
               order.end());
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](int a, int b) {
     return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
   });
   std::vector<int> first(soup.positions.rows());
@@ -62,12 +64,13 @@ int drop_degenerate(Soup& soup) {
 
 int drop_repeated_triangles(Soup& soup) {
   std::vector<std::pair<std::array<int, 3>, int>> sorted;
+  sorted.reserve(soup.triangles.size());
   for (int t = 0; t < static_cast<int>(soup.triangles.size()); ++t) {
     std::array<int, 3> corners = soup.triangles[t];
     std::sort(corners.begin(), corners.end());
     sorted.emplace_back(corners, t);
   }
-  std::sort(sorted.begin(), sorted.end());
+  tbb::parallel_sort(sorted.begin(), sorted.end());
   std::vector<bool> keep(soup.triangles.size(), true);
   int repeated = 0;
   for (std::size_t i = 1; i < sorted.size(); ++i) {

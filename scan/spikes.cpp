@@ -1,7 +1,10 @@
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "scan/corners.h"
 #include "scan/soup.h"
 
 namespace vultus::scan {
@@ -20,38 +23,39 @@ struct Relief {
   std::vector<double> height, edge;
 };
 
-Relief relief(const Soup& soup) {
-  const int n = static_cast<int>(soup.positions.rows());
-  Points sum = Points::Zero(n, 3), normal = Points::Zero(n, 3);
-  std::vector<double> length(n, 0.0), count(n, 0.0);
-  for (const auto& c : soup.triangles) {
-    const Eigen::RowVector3d a = soup.positions.row(c[1]) - soup.positions.row(c[0]);
-    const Eigen::RowVector3d b = soup.positions.row(c[2]) - soup.positions.row(c[0]);
-    const Eigen::RowVector3d n_t = a.cross(b).normalized();
-    for (int k = 0; k < 3; ++k) {
-      normal.row(c[k]) += n_t;
-      for (int other : {c[(k + 1) % 3], c[(k + 2) % 3]}) {
-        sum.row(c[k]) += soup.positions.row(other);
-        length[c[k]] += (soup.positions.row(other) - soup.positions.row(c[k])).norm();
-        count[c[k]] += 1.0;
+Relief relief(const Soup& soup, const Corners& corners) {
+  const int n = corners.vertex_count();
+  Points normals(soup.triangles.size(), 3);
+  tbb::parallel_for(Eigen::Index{0}, normals.rows(),
+                    [&](Eigen::Index t) { normals.row(t) = area_vector(soup, static_cast<int>(t)).normalized(); });
+  Relief result{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  tbb::parallel_for(0, n, [&](int v) {
+    const std::span<const int> around = corners.at(v);
+    if (around.empty()) return;
+    const Eigen::RowVector3d place = soup.positions.row(v);
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero(), normal = Eigen::RowVector3d::Zero();
+    double length = 0.0;
+    for (const int corner : around) {
+      normal += normals.row(corner / 3);
+      for (int k = 1; k < 3; ++k) {
+        const Eigen::RowVector3d other = soup.positions.row(soup.triangles[corner / 3][(corner + k) % 3]);
+        sum += other;
+        length += (other - place).norm();
       }
     }
-  }
-  Relief result{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
-  for (int v = 0; v < n; ++v) {
-    if (count[v] == 0.0) continue;
-    const Eigen::RowVector3d offset = soup.positions.row(v) - sum.row(v) / count[v];
-    const double norm = normal.row(v).norm();
+    const double count = 2.0 * static_cast<double>(around.size());
+    const Eigen::RowVector3d offset = place - sum / count;
+    const double norm = normal.norm();
     // A needle's normals cancel out: its whole offset counts then.
-    result.height[v] = norm > 0.3 * 0.5 * count[v] ? std::abs(offset.dot(normal.row(v)) / norm) : offset.norm();
-    result.edge[v] = length[v] / count[v];
-  }
+    result.height[v] = norm > 0.3 * 0.5 * count ? std::abs(offset.dot(normal) / norm) : offset.norm();
+    result.edge[v] = length / count;
+  });
   return result;
 }
 
 // A spike stands out from the scan's usual roughness and is steep as well, so that a coarse mesh's nose is none.
 int drop_once(Soup& soup, double factor) {
-  const Relief now = relief(soup);
+  const Relief now = relief(soup, Corners(soup));
   const double usual = 1.4826 * median(now.height), usual_edge = median(now.edge);
   std::vector<bool> spike(now.height.size());
   int spikes = 0;
