@@ -3,11 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/SparseCholesky>
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "core/neighbours.h"
+#include "register/fill.h"
+#include "register/unfold.h"
 
 namespace vultus::registration {
 namespace {
@@ -80,24 +82,24 @@ Sparse smoothness(const Topology& topology, const std::vector<std::pair<int, int
   return Sparse(options.bending * (laplacian.transpose() * laplacian) + first_order);
 }
 
-// Offsets are halved around triangles that they would turn over, until none turns or little is left of them.
-void hold_back_folds(const Topology& topology, const Points& positions, const Points& normals,
-                     Eigen::VectorXd& offset) {
-  const Points before = triangle_normals(topology, positions);
-  for (int round = 0; round < 8; ++round) {
-    const Points moved = positions + offset.asDiagonal() * normals;
-    const Points after = triangle_normals(topology, moved);
-    std::vector<bool> folding(positions.rows(), false);
-    bool any = false;
-    for (int t = 0; t < after.rows(); ++t) {
-      if (after.row(t).dot(before.row(t)) > 0.3) continue;
-      any = true;
-      for (int k = 0; k < 3; ++k) folding[topology.triangles()(t, k)] = true;
+// Movements without what would fold: around each fold vertices move as their surroundings do, a wider ring each time.
+Points without_folds(const Topology& topology, const Adjacency& neighbours, const Points& positions, Points movements) {
+  constexpr int widest = 5;  // rings: as far as a crease is from its surroundings
+  for (int rings = 1; rings <= widest; ++rings) {
+    const std::vector<bool> folded = folded_triangles(topology, positions, positions + movements);
+    if (std::find(folded.begin(), folded.end(), true) == folded.end()) break;
+    std::vector<bool> known(positions.rows(), true);
+    for (std::size_t t = 0; t < folded.size(); ++t)
+      for (int k = 0; folded[t] && k < 3; ++k) known[topology.triangles()(static_cast<int>(t), k)] = false;
+    for (int ring = 0; ring < rings; ++ring) {
+      const std::vector<bool> before = known;
+      for (int v = 0; v < positions.rows(); ++v)
+        if (!before[v])
+          for (int next : neighbours.of(v)) known[next] = false;
     }
-    if (!any) return;
-    for (int v = 0; v < offset.size(); ++v)
-      if (folding[v]) offset[v] *= 0.5;
+    movements = fill_smoothly(topology, positions, movements, known);
   }
+  return movements;
 }
 
 }  // namespace
@@ -105,6 +107,7 @@ void hold_back_folds(const Topology& topology, const Points& positions, const Po
 Points project_smoothly(const Topology& topology, const Points& positions, const std::vector<bool>& fitted,
                         const ScanSurface& scan, const SmoothProjectionOptions& options) {
   const auto all_edges = edges(topology);
+  const Adjacency neighbours = adjacency(topology);
   const Sparse smooth = smoothness(topology, all_edges, options);
   std::vector<Probe> probes = make_probes(topology, all_edges, fitted);
   Eigen::SimplicialLDLT<Sparse> solver;
@@ -132,8 +135,7 @@ Points project_smoothly(const Topology& topology, const Points& positions, const
     if (solver.info() != Eigen::Success) break;
     Eigen::VectorXd offset = solver.solve(right);
     offset = offset.cwiseMax(-options.limit).cwiseMin(options.limit);
-    hold_back_folds(topology, result, normals, offset);
-    result += offset.asDiagonal() * normals;
+    result += without_folds(topology, neighbours, result, offset.asDiagonal() * normals);
   }
   return result;
 }

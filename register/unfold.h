@@ -10,8 +10,11 @@ namespace vultus::registration {
 /// not in `reference`: folded over by the deformation.
 std::vector<bool> folded_triangles(const Topology& topology, const Points& reference, const Points& positions);
 
-/// Smooths folds out: vertices of folded triangles and their neighbours take the displacement from `reference` (same
-/// frame) that their surroundings give them, a wider ring each round until no fold is left or `rounds` are over.
-Points unfolded(const Topology& topology, const Points& reference, const Points& positions, int rounds = 4);
+/// Smooths folds out and leaves all else where it is. Around each fold vertices become the mean of their neighbours,
+/// weighted by the mean value coordinates of `reference` (Floater 2003; positive, so that nothing folds within a ring
+/// that does not, and exact for a plane however it is stretched), plus as much of the reference's curvature as does not
+/// fold again. The piece grows each round until no fold is left in it or `rounds` are over; one that cannot be
+/// smoothed stays as it is, and so does the mesh's border. `reference` may be in another frame.
+Points unfolded(const Topology& topology, const Points& reference, const Points& positions, int rounds = 12);
 
 }  // namespace vultus::registration
