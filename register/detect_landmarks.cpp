@@ -10,7 +10,8 @@
 namespace vultus::registration {
 namespace {
 
-constexpr int close_pixels = 400;
+// Finer pictures show the scan's noise rather than more of the face: points then scatter more.
+constexpr int close_pixels = 320;
 
 // Weiszfeld's geometric median, weighted: one view's mistake cannot pull it far.
 Eigen::Vector3d robust_mean(const std::vector<Eigen::Vector3d>& points, const std::vector<double>& weights,

@@ -30,6 +30,10 @@ void drop_mouth_cavity(FaceView& view, const Camera& camera) {
     if (view.points[i] && camera.project(*view.points[i]).z() > farthest + 0.3 * span) view.points[i].reset();
 }
 
+bool from_one_place(const Shot& a, const Shot& b) {
+  return a.frame == b.frame && a.target.centre == b.target.centre && a.target.radius == b.target.radius;
+}
+
 struct Sight {
   Eigen::Vector3d position;
   double facing;
@@ -106,11 +110,21 @@ FaceFrame turned(const FaceFrame& frame, double yaw, double pitch, double roll) 
 
 std::vector<std::vector<FaceView>> look(const ScanPictures& pictures, const FaceFinder& finder,
                                         const std::vector<Shot>& shots, int pixels, double least_score, int most) {
+  std::vector<std::size_t> firsts;  // of the shots in a row that differ by their light alone
+  for (std::size_t i = 0; i < shots.size(); ++i)
+    if (i == 0 || !from_one_place(shots[i - 1], shots[i])) firsts.push_back(i);
+  firsts.push_back(shots.size());
   std::vector<std::vector<FaceView>> views(shots.size());
-  tbb::parallel_for(std::size_t{0}, shots.size(), [&](std::size_t i) {
-    const Camera camera = camera_for(shots[i], pixels);
-    for (const FoundFace& face : finder.find_all(pictures.shade(camera, shots[i].light), least_score, most))
-      views[i].push_back(cast_back(pictures, face, camera));
+  tbb::parallel_for(std::size_t{0}, firsts.size() - 1, [&](std::size_t group) {
+    const std::size_t first = firsts[group], count = firsts[group + 1] - first;
+    const Camera camera = camera_for(shots[first], pixels);
+    std::vector<Eigen::Vector3d> lights;
+    for (std::size_t i = 0; i < count; ++i) lights.push_back(shots[first + i].light);
+    const std::vector<GreyImage> taken = pictures.shade(camera, lights);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      for (const FoundFace& face : finder.find_all(taken[i], least_score, most))
+        views[first + i].push_back(cast_back(pictures, face, camera));
+    });
   });
   return views;
 }

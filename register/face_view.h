@@ -36,6 +36,7 @@ struct FaceView {
 };
 
 /// The faces (best first, at most `most`) above `least_score` in the picture of each shot, `pixels` square.
+/// Shots in a row that differ by their light alone cost little more than one.
 std::vector<std::vector<FaceView>> look(const ScanPictures& pictures, const FaceFinder& finder,
                                         const std::vector<Shot>& shots, int pixels, double least_score, int most = 1);
 

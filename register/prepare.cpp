@@ -8,6 +8,7 @@
 #include "register/geometric_landmarks.h"
 #include "register/minor_landmarks.h"
 #include "register/number_text.h"
+#include "scan/thin.h"
 
 namespace vultus::registration {
 namespace {
@@ -27,6 +28,17 @@ double nose_confidence(const ScanLandmarks& points) {
   if (found.empty()) return 0.0;
   std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
   return found[found.size() / 2];
+}
+
+// What a first look needs of a scan: pictures of the face resolve a millimetre. Where an image tells more than the
+// surface, the scan is looked at as it is.
+Mesh coarse(const Mesh& scan) {
+  constexpr Eigen::Index enough_triangles = 150'000;
+  const bool pictured = !scan.texture.empty() && scan.topology->has_uvs() && !scan.has_colours();
+  if (pictured || scan.topology->triangles().rows() <= enough_triangles) return scan;
+  const double cell = scan.has_colours() ? 0.8 : 1.2;  // mm
+  // The unit may be another than it seems; a head's size tells what a millimetre is.
+  return scan::thinned(scan, std::min(cell, 0.003 * bounds(scan.positions).diagonal()));
 }
 
 }  // namespace
@@ -54,7 +66,8 @@ const ScanLandmarks* Preparation::template_sighting() const {
   return sighting_ ? &sighting_->points : nullptr;
 }
 
-DetectedLandmarks Preparation::found(const Mesh& scan, const Points* neutral) const {
+DetectedLandmarks Preparation::found(const Mesh& whole, const Points* neutral) const {
+  const Mesh scan = coarse(whole);
   const auto by_shape = [&] {
     return detect_landmarks_by_shape(model_, neutral ? *neutral : model_.neutral, neutral != nullptr, scan);
   };

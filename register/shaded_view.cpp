@@ -18,6 +18,12 @@ int smoothing_rounds(const Mesh& scan) {
   return std::clamp(static_cast<int>(0.01 * size / spacing), 1, 8);
 }
 
+// Nearest 8-bit sRGB level of a linear value.
+std::uint8_t encoded(double linear) {
+  return static_cast<std::uint8_t>(
+      std::lround(255 * srgb_from_linear(static_cast<float>(std::clamp(linear, 0.0, 1.0)))));
+}
+
 }  // namespace
 
 ScanPictures::ScanPictures(const Mesh& scan)
@@ -46,25 +52,29 @@ double ScanPictures::albedo(const SurfacePoint& place) const {
   return luminance.dot(Eigen::Vector3d(texture_.sample(x, y, 0), texture_.sample(x, y, 1), texture_.sample(x, y, 2)));
 }
 
-GreyImage ScanPictures::shade(const Camera& camera, const Eigen::Vector3d& light) const {
-  GreyImage picture{camera.width, camera.height, std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height)};
+std::vector<GreyImage> ScanPictures::shade(const Camera& camera, std::span<const Eigen::Vector3d> lights) const {
+  const GreyImage blank{camera.width, camera.height,
+                        std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height)};
+  std::vector<GreyImage> pictures(lights.size(), blank);
+  std::vector<Eigen::Vector3d> world_lights;
+  for (const Eigen::Vector3d& light : lights)
+    world_lights.push_back(camera.camera_from_world_rotation.transpose() * light.normalized());
   const Eigen::Vector3d eye = camera.centre();
-  const Eigen::Vector3d world_light = camera.camera_from_world_rotation.transpose() * light.normalized();
   const double ambient = coloured() ? 0.45 : 0.12;  // colour carries the features itself; bare shape needs contrast
+  const std::uint8_t background = encoded(0.02);
   tbb::parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * camera.width + x;
       const auto hit = rays_.hit(eye, camera.direction(x + 0.5, y + 0.5));
-      double linear = 0.02;
-      if (hit) {
-        const double lambert = std::max(0.0, normal(hit->place).dot(world_light));
-        linear = albedo(hit->place) * (ambient + (1.0 - ambient) * lambert);
+      const Eigen::Vector3d facing = hit ? normal(hit->place) : Eigen::Vector3d();
+      const double colour = hit ? albedo(hit->place) : 0.0;
+      for (std::size_t i = 0; i < lights.size(); ++i) {
+        const double lambert = hit ? std::max(0.0, facing.dot(world_lights[i])) : 0.0;
+        pictures[i].pixels[pixel] = hit ? encoded(colour * (ambient + (1.0 - ambient) * lambert)) : background;
       }
-      const float encoded = srgb_from_linear(static_cast<float>(std::clamp(linear, 0.0, 1.0)));
-      picture.pixels[static_cast<std::size_t>(y) * camera.width + x] =
-          static_cast<std::uint8_t>(std::lround(255 * encoded));
     }
   });
-  return picture;
+  return pictures;
 }
 
 }  // namespace vultus::registration

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/mesh.h"
@@ -18,9 +21,9 @@ class ScanPictures {
   const RayScene& rays() const { return rays_; }
   const Mesh& scan() const { return *scan_; }
 
-  /// Grey sRGB picture under a distant light; `light` is a direction towards the light, camera axes (x right, y down,
-  /// z forward).
-  GreyImage shade(const Camera& camera, const Eigen::Vector3d& light) const;
+  /// Grey sRGB pictures by one camera, one for each distant light; `lights` are directions towards the light, camera
+  /// axes (x right, y down, z forward).
+  std::vector<GreyImage> shade(const Camera& camera, std::span<const Eigen::Vector3d> lights) const;
 
   /// Unit normal (smoothed) at a place.
   Eigen::Vector3d normal(const SurfacePoint& place) const;
