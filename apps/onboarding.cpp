@@ -5,6 +5,7 @@
 #include "apps/actor_report.h"
 #include "apps/capture.h"
 #include "apps/command.h"
+#include "apps/registration_report.h"
 #include "apps/scanned_poses.h"
 #include "apps/transferred_poses.h"
 #include "core/error.h"
@@ -137,8 +138,11 @@ class Onboarding {
       poses.push_back(read_json(options_.actor / artefact));
       result_.below_quality = result_.below_quality || poses.back().value("verdict", "") == "fail";
     }
+    for (const std::string& line : result_.failed) {
+      const std::size_t name_end = line.find(": ");
+      poses.push_back(unregistered_report(line.substr(0, name_end), line.substr(name_end + 2)));
+    }
     json warnings = result_.warnings;
-    for (const std::string& line : result_.failed) warnings.push_back("left out: " + line);
     result_.report = {{"template", template_name},
                       {"method", options_.method},
                       {"poses", poses},

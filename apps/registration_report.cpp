@@ -102,6 +102,14 @@ json pose_report(const CapturedPose& pose, const registration::Registered& regis
           {"decisions", decisions}};
 }
 
+json unregistered_report(const std::string& pose, const std::string& problem) {
+  std::string reason = "not registered: " + problem;
+  // Messages from below do not know which pose they are about.
+  for (std::size_t at; (at = reason.find("<pose>")) != std::string::npos;) reason.replace(at, 6, pose);
+  return {{"pose", pose},        {"source", "scan"},       {"verdict", "fail"},         {"reason", reason},
+          {"reasons", {reason}}, {"distance_mm", nullptr}, {"decisions", json::array()}};
+}
+
 std::string summary_line(const json& report) {
   char distance[64];
   std::snprintf(distance, sizeof distance, ", %.2f mm", report.at("distance_mm").at("mean").get<double>());

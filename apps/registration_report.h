@@ -13,6 +13,9 @@ namespace vultus::apps {
 nlohmann::json pose_report(const CapturedPose& pose, const registration::Registered& registered,
                            const std::vector<std::string>& cleaning);
 
+/// The same of a scan that could not be registered: the verdict is a failure, with the reason in words and the way out.
+nlohmann::json unregistered_report(const std::string& pose, const std::string& problem);
+
 /// A line for the log: "smile: pass, 0.21 mm".
 std::string summary_line(const nlohmann::json& pose_report);
 

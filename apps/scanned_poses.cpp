@@ -255,6 +255,17 @@ void register_expressions(const std::vector<Work>& work, Scans& scans, const Reg
   std::copy_if(problems.begin(), problems.end(), std::back_inserter(result.failed), [](auto& p) { return !p.empty(); });
 }
 
+// Nothing goes on without the neutral; the message says whose scan it was.
+Attempt neutral_of(Scans& scans, const CapturedPose& pose) {
+  try {
+    return scans.neutral(pose);
+  } catch (const InputError& problem) {
+    const std::string reason = problem.what();
+    if (reason.find(pose.scan.string()) != std::string::npos) throw;
+    throw InputError(pose.scan, unregistered_report(pose.name, reason).at("reason").get<std::string>());
+  }
+}
+
 }  // namespace
 
 bool is_report_of(const std::string& pose, const std::string& artefact) {
@@ -279,7 +290,7 @@ ScannedPoses register_scans(const Capture& capture, const std::vector<CapturedPo
   progress.begin("registering scans", stale.size());
   Scans scans(capture, registration, progress);
   // Expressions start from the neutral's result, which is not on disk in full: it is found again, the same.
-  const Attempt neutral = scans.neutral(poses.front());
+  const Attempt neutral = neutral_of(scans, poses.front());
   std::size_t next = 0;
   if (stale.front().pose.name == poses.front().name) {
     output.write_albedo(stale.front(), neutral);
