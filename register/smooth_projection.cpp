@@ -117,8 +117,10 @@ Points project_smoothly(const Topology& topology, const Points& positions, const
     measure(probes, result, normals, scan, options);
     Triplets entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(topology.vertex_count());
+    std::vector<bool> compared(topology.vertex_count(), false);
     for (const Probe& probe : probes) {
       if (probe.weight <= 0.0) continue;
+      compared[probe.a] = compared[probe.b] = true;
       entries.emplace_back(probe.a, probe.a, probe.weight * probe.slope_a * probe.slope_a);
       right[probe.a] += probe.weight * probe.slope_a * probe.distance;
       if (probe.a == probe.b) continue;
@@ -127,6 +129,8 @@ Points project_smoothly(const Topology& topology, const Points& positions, const
       entries.emplace_back(probe.b, probe.a, probe.weight * probe.slope_a * probe.slope_b);
       right[probe.b] += probe.weight * probe.slope_b * probe.distance;
     }
+    for (int v = 0; v < topology.vertex_count(); ++v)
+      if (!compared[v]) entries.emplace_back(v, v, options.stay);
     Sparse data(smooth.rows(), smooth.cols());
     data.setFromTriplets(entries.begin(), entries.end());
     const Sparse system = smooth + data;

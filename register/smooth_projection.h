@@ -12,12 +12,13 @@ struct SmoothProjectionOptions {
   double least_cosine = 0.5;  ///< between normals
   double bending = 0.05;  ///< ≥ 0: of Σ (mean of neighbours' offsets − own)², against one unit a vertex with data
   double membrane = 0.002;  ///< ≥ 0: of Σ_edges (offset difference)²
+  double stay = 0.05;       ///< ≥ 0: of offset² where a vertex is in no comparison; bending alone would run on far
   int rounds = 3;           ///< correspondences are found anew each round
 };
 
 /// Draws a mesh that nearly fits onto the scan along its own normals: the offsets h minimize Σ w (distance to the
 /// scan's tangent plane)² over vertices and edge midpoints + bending + membrane, by sparse Cholesky. Only normal
-/// movement, so vertices do not slide; where there is no data the offset runs on smoothly.
+/// movement, so vertices do not slide; where there is no data the offset dies away smoothly.
 Points project_smoothly(const Topology& topology, const Points& positions, const std::vector<bool>& fitted,
                         const ScanSurface& scan, const SmoothProjectionOptions& options = {});
 

@@ -4,6 +4,7 @@
 
 #include "register/align.h"
 #include "register/appearance.h"
+#include "register/closed_lids.h"
 #include "register/expression_start.h"
 #include "register/flow_alignment.h"
 #include "register/jaw.h"
@@ -145,6 +146,10 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
                             number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
   Pulls pulls = landmark_pulls(fit.anchors);
   pulls.annealed.insert(pulls.annealed.end(), jaw.terms.begin(), jaw.terms.end());
+  const LidClosing closing = find_lid_closing(head, model.fitted, start.rest, input.scan);
+  pulls.annealed.insert(pulls.annealed.end(), closing.terms.begin(), closing.terms.end());
+  pulls.kept.insert(pulls.kept.end(), closing.terms.begin(), closing.terms.end());
+  for (const std::string& lids : closing.lids) fit.decisions.push_back(lids + " are closed: led to where they meet");
   NonrigidOptions options;
   options.free_scale = false;
   options.rigidity = 1.0;
