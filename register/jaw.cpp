@@ -2,13 +2,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "register/align.h"
+#include "register/gaping_jaw.h"
 
 namespace vultus::registration {
 namespace {
+
+constexpr double least_gain = 0.3;  // mm that a motion has to bring the chin nearer to the scan on average
 
 struct Hinge {
   Eigen::Vector3d point, axis;  // axis from the subject's right to left
@@ -112,7 +116,7 @@ class ChinOnScan {
 
 std::optional<Similarity> best_motion(const ChinOnScan& chin, const Hinge& hinge) {
   // A closed jaw is the usual case: a motion has to earn its place.
-  double least = chin.mismatch(Similarity()) - 0.3;
+  double least = chin.mismatch(Similarity()) - least_gain;
   std::optional<Similarity> best;
   auto consider = [&](const Similarity& start) {
     const auto motion = chin.refined(start);
@@ -133,6 +137,62 @@ std::optional<Similarity> best_motion(const ChinOnScan& chin, const Hinge& hinge
   return best;
 }
 
+// A hole in the data over closed lips looks like a gape too, but no chin fits below it better than the one at rest.
+std::optional<JawOpening> gaping(const Template& head, const Topology& topology, const Points& rest,
+                                 const std::vector<bool>& fitted, const ScanSurface& scan) {
+  JawOpening opening;
+  opening.gape = find_gape(head, rest, scan.rays());
+  if (!opening.gape) return {};
+  const GapingJaw jaw = find_gaping_jaw(head, topology, rest, fitted, *opening.gape, scan);
+  if (jaw.front.empty() || jaw.mismatch > jaw.unmoved - least_gain) return {};
+  opening.motion = jaw.motion;
+  opening.angle = Eigen::AngleAxisd(jaw.motion.rotation).angle();
+  const Eigen::Vector3d chin = rest.row((*head.ibug68)[8]);
+  opening.drop = (jaw.motion * chin - chin).norm();
+  if (opening.drop < 3.0) return {};
+  // The front bends, and its rim tells more: what is left of it only keeps the chin from staying behind.
+  for (int v : every(jaw.front.size() / 40, jaw.front))
+    opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.05});
+  return opening;
+}
+
+struct Rim {
+  int ibug;
+  Eigen::Vector3d place;
+};
+
+// Whether a point that pictures gave lies where skull and jaw would have it.
+bool agrees(int ibug, const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& lift,
+            const Similarity& jaw) {
+  if (is_contour(ibug) || ibug >= 60) return false;  // an outline; and rims, which shape shows better
+  if (ibug < 48) return true;
+  if (ibug >= 55) return (jaw * from - to).norm() < 10.0;
+  if (ibug == 48 || ibug == 54) return (0.5 * (jaw * from + from) - to).norm() < 10.0;
+  return (from + lift - to).norm() < 8.0;
+}
+
+Anchors chosen(const Anchors& anchors, const std::vector<int>& rows) {
+  Anchors kept{{}, {}, anchors.targets(rows, Eigen::all), anchors.confidence(rows)};
+  for (int i : rows) {
+    kept.names.push_back(anchors.names[i]);
+    kept.vertices.push_back(anchors.vertices[i]);
+  }
+  return kept;
+}
+
+void add(const Rim& rim, const Ibug68& ibug, Anchors& anchors) {
+  const int vertex = ibug[rim.ibug];
+  if (vertex < 0 || std::find(anchors.vertices.begin(), anchors.vertices.end(), vertex) != anchors.vertices.end())
+    return;
+  const int row = anchors.size();
+  anchors.names.push_back(ibug_name(rim.ibug));
+  anchors.vertices.push_back(vertex);
+  anchors.targets.conservativeResize(row + 1, 3);
+  anchors.confidence.conservativeResize(row + 1);
+  anchors.targets.row(row) = rim.place;
+  anchors.confidence[row] = 0.8;
+}
+
 }  // namespace
 
 JawOpening find_jaw_opening(const Template& head, const Topology& topology, const Points& rest,
@@ -141,6 +201,7 @@ JawOpening find_jaw_opening(const Template& head, const Topology& topology, cons
   const Ibug68& ibug = *head.ibug68;
   for (int needed : {0, 1, 8, 15, 16})
     if (ibug[needed] < 0) return {};
+  if (const auto open = gaping(head, topology, rest, fitted, scan)) return *open;
   auto point = [&](int i) -> Eigen::Vector3d { return rest.row(ibug[i]).transpose(); };
   const Eigen::Vector3d right = 0.5 * (point(0) + point(1)), left = 0.5 * (point(15) + point(16));
   const std::vector<int> around = chin_vertices(rest, fitted, point(8), 28.0);
@@ -152,9 +213,32 @@ JawOpening find_jaw_opening(const Template& head, const Topology& topology, cons
   if (motion) opening.drop = (*motion * point(8) - point(8)).norm();
   if (opening.drop < 3.0) return {};
   opening.angle = Eigen::AngleAxisd(motion->rotation).angle();
+  opening.motion = *motion;
   const std::vector<int> core = chin_vertices(rest, fitted, point(8), 20.0);
   for (int v : every(core.size() / 25, core)) opening.terms.push_back({v, *motion * Eigen::Vector3d(rest.row(v)), 0.3});
   return opening;
+}
+
+Anchors agreeing_anchors(const Template& head, const Anchors& anchors, const Points& rest, const JawOpening& jaw) {
+  if (!jaw.gape || !head.ibug68) return anchors;
+  const Ibug68& ibug = *head.ibug68;
+  std::array<Rim, 6> rims;
+  Eigen::Vector3d lift = Eigen::Vector3d::Zero();  // of the upper lip
+  for (int i = 0; i < 3; ++i) {
+    rims[i] = {61 + i, jaw.gape->upper[i]};
+    rims[3 + i] = {67 - i, jaw.gape->lower[i]};
+    lift += (jaw.gape->upper[i] - rest.row(ibug[61 + i]).transpose()) / 3.0;
+  }
+  std::vector<int> rows;
+  for (int i = 0; i < anchors.size(); ++i) {
+    const auto point = ibug_index(anchors.names[i]);
+    if (!point || anchors.confidence[i] >= 1.0 ||
+        agrees(*point, rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), lift, jaw.motion))
+      rows.push_back(i);
+  }
+  Anchors kept = chosen(anchors, rows);
+  for (const Rim& rim : rims) add(rim, ibug, kept);
+  return kept;
 }
 
 }  // namespace vultus::registration

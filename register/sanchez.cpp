@@ -120,6 +120,7 @@ Fit fit_sanchez_expression(const FitInput& input, const Registered& neutral, Pro
       find_jaw_opening(model.head, model.topology(), start.rest, model.fitted, start.anchors, input.scan);
   if (jaw.angle > 0.0)
     fit.decisions.push_back("jaw open by " + std::to_string(std::lround(jaw.angle * 180.0 / M_PI)) + " degrees");
+  start.anchors = agreeing_anchors(model.head, start.anchors, start.rest, jaw);
   const SkinControls controls = make_controls(model.head, model.topology(), model.neutral, model.fitted);
   const Points from = moved_controls(controls, start.rest, start.anchors, jaw.terms);
   fit.anchors = std::move(start.anchors);

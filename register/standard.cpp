@@ -144,6 +144,7 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
   if (jaw.drop > 0.0)
     fit.decisions.push_back("chin moved by " + number(jaw.drop, "%.0f") + " mm, turned by " +
                             number(jaw.angle * 180.0 / M_PI, "%.0f") + " degrees");
+  fit.anchors = agreeing_anchors(head, fit.anchors, start.rest, jaw);
   Pulls pulls = landmark_pulls(fit.anchors);
   pulls.annealed.insert(pulls.annealed.end(), jaw.terms.begin(), jaw.terms.end());
   const LidClosing closing = find_lid_closing(head, model.fitted, start.rest, input.scan);
