@@ -9,6 +9,7 @@
 #include "register/project.h"
 #include "register/scan_surface.h"
 #include "register/smooth_projection.h"
+#include "register/unfold.h"
 #include "synthetic_surfaces.h"
 
 namespace vultus::registration {
@@ -179,6 +180,57 @@ TEST(Fill, PiecesWithoutDataMoveAsOneBody) {
   EXPECT_LT((moved.bottomRows(4) - shifted).norm(), 1e-6);
 }
 
+// `columns` by 21 vertices, `spacing` mm apart along x and 1 mm along y, at `height(x)`.
+template <typename Height>
+Mesh sheet(int columns, double spacing, Height height) {
+  constexpr int rows = 21;
+  Mesh mesh;
+  mesh.positions.resize(columns * rows, 3);
+  Triangles triangles(2 * (columns - 1) * (rows - 1), 3);
+  int t = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const double x = spacing * (c - 0.5 * (columns - 1));
+      mesh.positions.row(r * columns + c) << x, r - 10.0, height(x);
+      if (r + 1 == rows || c + 1 == columns) continue;
+      const int a = r * columns + c;
+      triangles.row(t++) << a, a + 1, a + columns + 1;
+      triangles.row(t++) << a, a + columns + 1, a + columns;
+    }
+  mesh.topology = Topology::from_triangles(columns * rows, triangles);
+  return mesh;
+}
+
+TEST(SmoothProjection, OffsetsDieAwayWhereTheDataEnds) {
+  const Mesh mesh = sheet(41, 1.0, [](double) { return 0.0; });
+  Mesh scan = sheet(161, 0.25, [](double x) { return 0.5 + 0.04 * (x + 20.0); });
+  std::vector<bool> keep(scan.positions.rows());
+  for (std::size_t v = 0; v < keep.size(); ++v) keep[v] = scan.positions(v, 0) < 0.0;
+  scan = sub_mesh(scan, keep).mesh;
+  const std::vector<bool> all(mesh.positions.rows(), true);
+  const Points result = project_smoothly(*mesh.topology, mesh.positions, all, ScanSurface(scan));
+  for (int v = 0; v < result.rows(); ++v) {
+    if (std::abs(result(v, 1)) > 8.0) continue;
+    if (result(v, 0) > -18.0 && result(v, 0) < -4.0) {
+      EXPECT_NEAR(result(v, 2), 0.5 + 0.04 * (result(v, 0) + 20.0), 0.1);
+    }
+    EXPECT_LT(result(v, 2), 1.4);  // the data's highest place, 1.3, and no slope run on
+    if (result(v, 0) > 10.0) {
+      EXPECT_NEAR(result(v, 2), 0.0, 0.1);
+    }
+  }
+}
+
+// The bottom of the groove bends more sharply than the way to the scan is long: offsets along normals cross there.
+TEST(SmoothProjection, AGrooveDoesNotFoldOver) {
+  auto groove = [](double x) { return 2.0 * std::sqrt(x * x + 0.01); };
+  const Mesh mesh = sheet(81, 0.1, groove), scan = sheet(161, 0.05, [&](double x) { return groove(x) + 1.5; });
+  const std::vector<bool> all(mesh.positions.rows(), true);
+  const Points result = project_smoothly(*mesh.topology, mesh.positions, all, ScanSurface(scan));
+  const auto folded = folded_triangles(*mesh.topology, mesh.positions, result);
+  EXPECT_EQ(std::count(folded.begin(), folded.end(), true), 0);
+}
+
 }  // namespace
 }  // namespace vultus::registration
 
@@ -187,7 +239,8 @@ TEST(FittedVertices, leaves_out_what_lies_inside_by_the_names_of_sets) {
   data.vertex_count = 7;
   data.face_offsets = {0, 3};
   data.corner_vertex = {0, 1, 2};
-  data.sets = {{"face", {0, 1}}, {"eye_socket_left", {2}}, {"gums_tongue", {3}}, {"eyeballs", {4}}, {"eyelashes_right", {5}}};
+  data.sets = {
+      {"face", {0, 1}}, {"eye_socket_left", {2}}, {"gums_tongue", {3}}, {"eyeballs", {4}}, {"eyelashes_right", {5}}};
   const std::vector<bool> expected = {true, true, false, false, false, false, true};
   EXPECT_EQ(vultus::registration::fitted_vertices(*vultus::Topology::make(data)), expected);
 }
