@@ -59,6 +59,12 @@ class Measured {
     return p.y() < point(8).y() - 0.02 * eyes_ && p.y() > point(8).y() - 0.5 * eyes_ && std::abs(p.x()) < 0.4 * eyes_ &&
            p.z() > point(8).z() - 0.75 * eyes_;
   }
+  // From the chin to the middle of the forehead, short of temples, ears and the sides of the jaw.
+  bool front(int v) const {
+    const auto p = face_.row(v);
+    return p.y() > point(8).y() - 0.02 * eyes_ && p.y() < 0.5 * (point(19).y() + point(24).y()) + 0.45 * eyes_ &&
+           std::abs(p.x()) < 0.65 * eyes_ && p.z() > point(36).z() - 0.3 * eyes_;
+  }
   bool around_eyes(int v) const {
     for (int i = 36; i < 48; ++i)
       if ((point(i) - face_.row(v)).norm() < 0.1 * eyes_) return true;
@@ -97,6 +103,7 @@ std::map<std::string, Flags> face_regions(const Template& head, const Topology& 
     regions["chin"] = flags_where(fitted, [&](int v) { return measured.chin(v); });
     regions["under_chin"] = flags_where(fitted, [&](int v) { return measured.under_chin(v); });
     const Flags whole = regions.contains("face") ? regions["face"] : fitted;
+    regions["front"] = flags_where(whole, [&](int v) { return measured.front(v); });
     regions["left_half"] = flags_where(whole, [&](int v) { return face(v, 0) > 0.0; });
     regions["right_half"] = flags_where(whole, [&](int v) { return face(v, 0) < 0.0; });
     if (!regions.contains("eyes"))

@@ -111,11 +111,14 @@ struct Eye {
 };
 
 // How much a profile rises within `window` samples from `at` beyond the slope on both sides, where all of it is data.
+// Next to a steep rise level skin would seem to drop: what does not go down itself is no step down, and likewise up.
 std::optional<double> step_at(const std::vector<double>& height, int at, int window) {
   if (at < window || at + 2 * window >= static_cast<int>(height.size())) return {};
   const double before = height[at] - height[at - window], after = height[at + 2 * window] - height[at + window];
-  const double step = height[at + window] - height[at] - 0.5 * (before + after);
-  return std::isfinite(step) ? std::optional(step) : std::nullopt;
+  constexpr double level = 0.3;  // mm
+  const double change = height[at + window] - height[at], step = change - 0.5 * (before + after);
+  if (!std::isfinite(step)) return {};
+  return std::abs(change) < level || change * step < 0.0 ? 0.0 : step;
 }
 
 // Distance between the step down into the eye and the step up out of it, 0 without such steps, nothing where neither is

@@ -90,8 +90,11 @@ std::string words(const std::string& region) {
 
 void check_face(const QualityLimits& limits, const Quality& quality, Reasons& reasons) {
   const SetQuality& face = main_region(quality);
-  reasons.check(-face.coverage, -limits.pass_coverage, -limits.fail_coverage,
-                "only " + percent(face.coverage) + " of the face lies on data");
+  // What templates call the face may reach behind the ears and down the neck, where scans are cropped.
+  const auto front = quality.sets.find("front");
+  const double coverage = front != quality.sets.end() ? front->second.coverage : face.coverage;
+  reasons.check(-coverage, -limits.pass_coverage, -limits.fail_coverage,
+                "only " + percent(coverage) + " of the face lies on data");
   reasons.check(face.scan_to_mesh_mean, limits.pass_mean, limits.fail_mean,
                 "the scan lies " + number(face.scan_to_mesh_mean) + " mm from the mesh on average");
   reasons.check(face.mesh_to_scan_p95, 5 * limits.pass_mean, 5 * limits.fail_mean,

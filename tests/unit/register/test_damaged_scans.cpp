@@ -56,7 +56,7 @@ TEST(DamagedScans, TheTruthOnASoundScanPasses) {
   const RefinedTemplate model(template_head());
   const Quality quality = judge(person().head, topology, model.fitted, model.neutral, person().truth, scan, {}, {}, {});
   EXPECT_EQ(quality.verdict, Verdict::pass) << told(quality);
-  for (const char* region : {"face", "lips", "eyes", "nose", "forehead", "chin", "ears", "left_half"})
+  for (const char* region : {"face", "front", "lips", "eyes", "nose", "forehead", "chin", "ears", "left_half"})
     EXPECT_TRUE(quality.sets.contains(region)) << region;
   EXPECT_EQ(quality.crossing_triangles, 0);
 }

@@ -110,5 +110,22 @@ TEST_F(JudgeTest, KnowsOpenAndSealedLips) {
   EXPECT_NEAR(open.mouth_gap, (model.positions.row(10) - model.positions.row(20)).norm(), 1e-9);
 }
 
+// A scan cropped at ears and neck is whole where it matters; one that lacks a cheek is not.
+TEST(Verdict, CoverageIsThatOfTheFront) {
+  Quality quality;
+  quality.sets["face"].coverage = 0.8;
+  quality.sets["front"].coverage = 0.97;
+  reach_verdict({}, quality);
+  EXPECT_EQ(quality.verdict, Verdict::pass);
+  quality.sets["front"].coverage = 0.8;
+  reach_verdict({}, quality);
+  EXPECT_EQ(quality.verdict, Verdict::warn);
+  ASSERT_EQ(quality.reasons.size(), 1u);
+  EXPECT_EQ(quality.reasons[0], "only 80 % of the face lies on data");
+  quality.sets["front"].coverage = 0.45;
+  reach_verdict({}, quality);
+  EXPECT_EQ(quality.verdict, Verdict::fail);
+}
+
 }  // namespace
 }  // namespace vultus::registration
