@@ -1,74 +1,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <tuple>
 
 #include "register/seals.h"
+#include "wall_face.h"
 
 namespace vultus::registration {
 namespace {
 
-// A face as flat as a wall in the plane z = 0, in millimetres: mouth at the origin, eyes above it.
-struct WallFace {
-  Template head;
-  Points positions{68, 3};
-  WallFace() {
-    head.ibug68.emplace();
-    positions.setConstant(500.0);
-    for (int i = 0; i < 68; ++i) (*head.ibug68)[i] = i;
-    put(48, -25, 0);
-    put(54, 25, 0);
-    for (int k = -1; k <= 1; ++k) {
-      put(51 + k, 10 * k, 9);
-      put(57 - k, 10 * k, -9);
-      put(62 + k, 10 * k, 0.2);
-      put(66 - k, 10 * k, -0.2);
-    }
-    put(27, 0, 50);
-    put(33, 0, 20);
-    for (int side : {-1, 1}) {
-      const int first = side < 0 ? 36 : 42;
-      put(first, side < 0 ? -45 : 15, 50);
-      put(first + 3, side < 0 ? -15 : 45, 50);
-      for (const auto& [above, below, x] : {std::tuple(1, 5, -4), std::tuple(2, 4, 4)}) {
-        put(first + above, 30 * side + x, 54);
-        put(first + below, 30 * side + x, 46);
-      }
-    }
-  }
-  void put(int i, double x, double y) { positions.row(i) << x, y, 0; }
-};
-
-// A grid of 0.5 mm over the face, `depth(x, y)` behind the wall.
-template <typename Depth>
-Mesh wall(Depth depth) {
-  constexpr int columns = 121, rows = 201;  // 1 mm by 0.5 mm
-  Mesh mesh;
-  mesh.positions.resize(columns * rows, 3);
-  Triangles triangles(2 * (columns - 1) * (rows - 1), 3);
-  int t = 0;
-  for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c) {
-      const double x = c - 60.0, y = 0.5 * r - 30.0;
-      mesh.positions.row(r * columns + c) << x, y, -depth(x, y);
-      if (r + 1 == rows || c + 1 == columns) continue;
-      const int a = r * columns + c;
-      triangles.row(t++) << a, a + 1, a + columns + 1;
-      triangles.row(t++) << a, a + columns + 1, a + columns;
-    }
-  mesh.topology = Topology::from_triangles(columns * rows, triangles);
-  return mesh;
-}
+using test::eye_depth;
+using test::wall;
+using test::WallFace;
 
 std::vector<Seal> seals_on(const Mesh& scan) {
   const WallFace face;
   return find_seals(face.head, face.positions, ScanSurface(scan));
-}
-
-// Eyes 2 mm behind lids that stand 9 mm in front of the eyes' corners, open by `gap`.
-double eye_depth(double x, double y, double gap) {
-  const bool in_opening = std::abs(std::abs(x) - 30.0) < 12.0 && std::abs(y - 50.0) < 0.5 * gap;
-  return y < 25.0 ? 0.0 : in_opening ? -7.0 : -9.0;
 }
 
 TEST(Seals, AnOpenMouthIsAsWideAsItsHole) {
@@ -102,6 +48,17 @@ TEST(Seals, LidsShowAsTwoSteps) {
     EXPECT_NEAR(seals[2].mesh_gap, 8.0, 1e-9);
   }
   EXPECT_EQ(seals_on(wall([](double x, double y) { return eye_depth(x, y, 0.0); }))[1].scan_gap, 0.0);
+}
+
+// An upper lid stands out more than twice as far as a lower one: the level eye beside its steep step is no step down.
+TEST(Seals, AThinLowerLidBelowAThickUpperOneIsStillThere) {
+  const auto seals = seals_on(wall([](double x, double y) {
+    if (y < 25.0) return 0.0;
+    const bool across = std::abs(std::abs(x) - 30.0) < 12.0;
+    return across && std::abs(y - 50.0) < 4.0 ? -7.0 : y < 50.0 ? -8.3 : -10.0;
+  }));
+  EXPECT_NEAR(seals[1].scan_gap, 8.0, 2.0);
+  EXPECT_NEAR(seals[2].scan_gap, 8.0, 2.0);
 }
 
 TEST(Seals, WithoutDataTheScanDoesNotTell) {
