@@ -15,6 +15,7 @@ namespace vultus::registration::test {
 struct ScannedHead {
   Template head = template_head();
   LoopSubdivision loop{head.topology, head.subdivisions};
+  Points control;           ///< control vertices
   Points truth;             ///< refined vertices
   Mesh scan;                ///< from a cylinder around the face, own jittered grid with triangles of some 3 mm
   ScanLandmarks landmarks;  ///< the major ones, placed by hand (confidence 1), 0.3 mm off
@@ -62,12 +63,12 @@ inline Mesh cylinder_scan(const Topology& topology, const Points& shape, std::ui
 /// `wide` and `long_faced` are factors on the template's shape.
 inline ScannedHead scanned_head(double wide, double long_faced, std::uint64_t seed) {
   ScannedHead person;
-  Points control = person.head.neutral;
-  for (auto p : control.rowwise())
+  person.control = person.head.neutral;
+  for (auto p : person.control.rowwise())
     p = Eigen::RowVector3d(wide * p.x() + 1.0 * std::sin(p.y() / 30.0),
                            long_faced * p.y() + 1.5 * std::sin(p.z() / 40.0),
                            1.02 * p.z() + 1.5 * std::cos(p.x() / 35.0));
-  person.truth = person.loop(control);
+  person.truth = person.loop(person.control);
   person.scan = cylinder_scan(*person.loop.refined(), person.truth, seed);
   Random random(seed + 1);
   for (const Landmark& landmark : person.head.landmarks) {
