@@ -137,6 +137,27 @@ std::optional<Similarity> best_motion(const ChinOnScan& chin, const Hinge& hinge
   return best;
 }
 
+// Neck that lies on the scan as it is, or where there is none: a chin that comes down must not push it along.
+std::vector<PointTerm> still_neck(const Ibug68& ibug, const Topology& topology, const Points& rest,
+                                  const std::vector<bool>& fitted, const ScanSurface& scan) {
+  const Eigen::Vector3d chin = rest.row(ibug[8]);
+  const Eigen::Vector3d up = (rest.row(ibug[27]) - rest.row(ibug[8])).normalized();
+  const Points normals = vertex_normals(topology, rest);
+  std::vector<PointTerm> terms;
+  for (int v = 0; v < rest.rows(); ++v) {
+    const Eigen::Vector3d place = rest.row(v);
+    if (!fitted[v] || up.dot(place - chin) > -5.0) continue;
+    if ((place - chin).norm() < 45.0 || (place - chin).norm() > 90.0) continue;
+    if (const auto near = scan.nearest(place, normals.row(v), 5.0, 0.7))
+      terms.push_back({v, near->position, 0.3});
+    else if (const auto any = scan.rays().closest(place, 12.0); !any || scan.on_border(any->place))
+      terms.push_back({v, place, 0.3});
+  }
+  std::vector<PointTerm> some;
+  for (std::size_t i = 0; i < terms.size(); i += std::max<std::size_t>(1, terms.size() / 60)) some.push_back(terms[i]);
+  return some;
+}
+
 // A hole in the data over closed lips looks like a gape too, but no chin fits below it better than the one at rest.
 std::optional<JawOpening> gaping(const Template& head, const Topology& topology, const Points& rest,
                                  const std::vector<bool>& fitted, const ScanSurface& scan) {
@@ -150,9 +171,9 @@ std::optional<JawOpening> gaping(const Template& head, const Topology& topology,
   const Eigen::Vector3d chin = rest.row((*head.ibug68)[8]);
   opening.drop = (jaw.motion * chin - chin).norm();
   if (opening.drop < 3.0) return {};
-  // The front bends, and its rim tells more: what is left of it only keeps the chin from staying behind.
   for (int v : every(jaw.front.size() / 40, jaw.front))
-    opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.05});
+    opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.2});
+  for (const PointTerm& term : still_neck(*head.ibug68, topology, rest, fitted, scan)) opening.terms.push_back(term);
   return opening;
 }
 

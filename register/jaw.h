@@ -16,7 +16,8 @@ namespace vultus::registration {
 struct JawOpening {
   double angle = 0.0;             ///< radians, ≥ 0: turn of the chin
   double drop = 0.0;              ///< mm that the chin's point has moved; 0 for a closed jaw or where it cannot be told
-  std::vector<PointTerm> terms;   ///< chin vertices where the motion takes them; none for a closed jaw
+  std::vector<PointTerm> terms;   ///< chin vertices where the motion takes them, and, below a gaping mouth,
+                                  ///< neck that stays; none for a closed jaw
   Similarity motion;              ///< rigid, of the chin from `rest`
   std::optional<MouthGape> gape;  ///< what told it, where shape alone shows the lips apart
 };
