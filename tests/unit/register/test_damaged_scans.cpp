@@ -70,6 +70,23 @@ TEST(DamagedScans, HalfAFace) {
   EXPECT_GT(quality.sets.at("left_half").coverage, 0.8);
 }
 
+// With nothing placed by hand too little of a face is refused, with what to do about it.
+TEST(DamagedScans, AThirdOfAFaceWithoutLandmarks) {
+  RegisterOptions options;
+  options.method = Method::zhu;
+  options.landmarks_by = LandmarkFinder::shape;
+  Template head = template_head();
+  head.subdivisions = 0;
+  std::vector<bool> keep(person().scan.positions.rows());
+  for (std::size_t v = 0; v < keep.size(); ++v) keep[v] = person().scan.positions(v, 0) > 35.0;
+  try {
+    Registration(head, options).neutral(scan::clean_scan(sub_mesh(person().scan, keep).mesh));
+    FAIL() << "registered";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("by hand (landmarks/<pose>.json)"), std::string::npos) << error.what();
+  }
+}
+
 TEST(DamagedScans, AnotherPersonsLandmarks) {
   ScanLandmarks landmarks = test::scanned_head(0.85, 1.15, 9).landmarks;
   for (ScanLandmark& landmark : landmarks) landmark.position.z() += 6.0;  // who never sits in quite the same place
