@@ -214,6 +214,8 @@ std::optional<Candidate> search_everywhere(const ScanPictures& pictures, const F
   };
   const auto quarter_turns = {0.0, 180.0, 90.0, 270.0}, between = {45.0, 315.0, 135.0, 225.0};
   const auto all_turns = {0.0, 180.0, 90.0, 270.0, 45.0, 315.0, 135.0, 225.0};
+  // Most scans look along +z, more or less: one picture of each piece is enough then.
+  if (sure_after({FaceFrame::Identity()}, whole, 320, "upright, looking along +z")) return best;
   if (sure_after(upright_frames(), whole, 320, "upright, looking along +z")) return best;
   if (sure_after(frames_all_around(facing, {1}, quarter_turns), near, 200, "along the scan's axes")) return best;
   if (sure_after(frames_all_around(facing, {2, 3}, all_turns), near, 200, "turned freely")) return best;

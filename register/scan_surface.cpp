@@ -1,5 +1,7 @@
 #include "register/scan_surface.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -20,7 +22,7 @@ std::vector<bool> border_vertices(const Topology& topology) {
       const auto [a, b] = std::minmax(triangles(t, k), triangles(t, (k + 1) % 3));
       edges.push_back((static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b));
     }
-  std::sort(edges.begin(), edges.end());
+  tbb::parallel_sort(edges.begin(), edges.end());
   std::vector<bool> border(topology.vertex_count(), false);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const bool shared = (i > 0 && edges[i - 1] == edges[i]) || (i + 1 < edges.size() && edges[i + 1] == edges[i]);
