@@ -39,20 +39,18 @@ Line look_along(const RayScene& rays, const Eigen::Vector3d& lip, const Eigen::V
   return line;
 }
 
-// Where the line is hollow: the bottom lies behind what is seen above and below it. The deepest such place counts, and
-// where nothing is seen at all the middle of the longest stretch of it.
+// The bottom of the first hollow under the upper lip: what lies behind all that is seen above it and something below.
+// Holes in the data farther down are no mouth.
 std::optional<int> bottom_of(const std::vector<double>& heights) {
   const int count = static_cast<int>(heights.size());
   std::vector<double> over(heights), under(heights);
   for (int i = 1; i < count; ++i) over[i] = std::max(over[i - 1], heights[i]);
   for (int i = count - 2; i >= 0; --i) under[i] = std::max(under[i + 1], heights[i]);
-  double deepest = hollow;
   std::optional<int> bottom;
   for (int i = 0; i < count; ++i) {
-    const double depth = std::min(over[i], under[i]) - heights[i];
-    if (depth <= deepest) continue;
-    deepest = depth;
-    bottom = i;
+    const bool inside = std::min(over[i], under[i]) - heights[i] > hollow;
+    if (bottom && !inside) break;
+    if (inside && (!bottom || heights[i] < heights[*bottom])) bottom = i;
   }
   return bottom;
 }
@@ -118,6 +116,9 @@ std::optional<MouthGape> find_gape(const Template& head, const Points& rest, con
     gape.upper[column] = middle_of(upper);
     gape.lower[column] = middle_of(lower);
   }
+  // A rim runs on from line to line.
+  for (int column = 0; column < 2; ++column)
+    if ((gape.lower[column + 1] - gape.lower[column]).norm() > 20.0) return {};
   return gape;
 }
 
