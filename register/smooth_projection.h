@@ -9,10 +9,10 @@ namespace vultus::registration {
 
 struct SmoothProjectionOptions {
   double limit = 3.0;         ///< mm, > 0: farther scan does not pull
-  double least_cosine = 0.5;  ///< between normals
-  double bending = 0.05;  ///< ≥ 0: of Σ (mean of neighbours' offsets − own)², against one unit a vertex with data
+  double least_cosine = 0.8;  ///< between normals: around a rim, what lies near is another side of it
+  double bending = 0.1;  ///< ≥ 0: of Σ (mean of neighbours' offsets − own)², against one unit a vertex with data
   double membrane = 0.002;  ///< ≥ 0: of Σ_edges (offset difference)²
-  double stay = 0.05;       ///< ≥ 0: of offset² where a vertex is in no comparison; bending alone would run on far
+  double stay = 0.2;        ///< ≥ 0: of offset² where a vertex is in no comparison; bending alone would run on far
   int rounds = 3;           ///< correspondences are found anew each round
 };
 
