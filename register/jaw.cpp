@@ -173,7 +173,9 @@ std::optional<JawOpening> gaping(const Template& head, const Topology& topology,
   if (opening.drop < 3.0) return {};
   for (int v : every(jaw.front.size() / 40, jaw.front))
     opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.2});
-  for (const PointTerm& term : still_neck(*head.ibug68, topology, rest, fitted, scan)) opening.terms.push_back(term);
+  // Colour, where there is some, tells better how far skin under the chin goes along.
+  if (!scan.mesh().has_colours() && scan.mesh().texture.empty())
+    for (const PointTerm& term : still_neck(*head.ibug68, topology, rest, fitted, scan)) opening.terms.push_back(term);
   return opening;
 }
 

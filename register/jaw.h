@@ -14,10 +14,10 @@ namespace vultus::registration {
 
 /// How the chin has moved against the skull since the neutral.
 struct JawOpening {
-  double angle = 0.0;             ///< radians, ≥ 0: turn of the chin
-  double drop = 0.0;              ///< mm that the chin's point has moved; 0 for a closed jaw or where it cannot be told
-  std::vector<PointTerm> terms;   ///< chin vertices where the motion takes them, and, below a gaping mouth,
-                                  ///< neck that stays; none for a closed jaw
+  double angle = 0.0;            ///< radians, ≥ 0: turn of the chin
+  double drop = 0.0;             ///< mm that the chin's point has moved; 0 for a closed jaw or where it cannot be told
+  std::vector<PointTerm> terms;  ///< chin vertices where the motion takes them, and, below a gaping mouth without
+                                 ///< colour, neck that stays; none for a closed jaw
   Similarity motion;              ///< rigid, of the chin from `rest`
   std::optional<MouthGape> gape;  ///< what told it, where shape alone shows the lips apart
 };
