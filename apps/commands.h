@@ -17,5 +17,6 @@ void add_register(CommandTable& table);
 void add_rig_databank(CommandTable& table);
 void add_mocap_clean(CommandTable& table);
 void add_bench_registration(CommandTable& table);
+void add_bench_mocap(CommandTable& table);
 
 }  // namespace vultus::apps

@@ -15,5 +15,6 @@ int main(int argc, char** argv) {
   add_rig_databank(table);
   add_mocap_clean(table);
   add_bench_registration(table);
+  add_bench_mocap(table);
   return table.run(argc, argv);
 }
