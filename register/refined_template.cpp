@@ -24,4 +24,12 @@ std::vector<int> RefinedTemplate::rigid() const {
   return vertices;
 }
 
+std::vector<int> RefinedTemplate::above_lips() const {
+  const bool pointed = head.ibug68 && (*head.ibug68)[33] >= 0;
+  std::vector<int> vertices;
+  for (int v = 0; v < topology().vertex_count(); ++v)
+    if (fitted[v] && (!pointed || neutral(v, 1) > head.neutral((*head.ibug68)[33], 1))) vertices.push_back(v);
+  return vertices;
+}
+
 }  // namespace vultus::registration

@@ -19,6 +19,8 @@ struct RefinedTemplate {
   const Topology& topology() const { return *loop.refined(); }
   /// Skin that expressions leave alone most: the set "rigid", else everything fitted.
   std::vector<int> rigid() const;
+  /// Fitted skin that the jaw does not move: above the base of the nose; everything fitted without a 68-point scheme.
+  std::vector<int> above_lips() const;
 };
 
 }  // namespace vultus::registration

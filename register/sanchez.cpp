@@ -126,7 +126,7 @@ Fit fit_sanchez_expression(const FitInput& input, const Registered& neutral, Pro
   fit.anchors = std::move(start.anchors);
   fit.positions = fitted_by_energy(input, controls, start.rest, from, same_person, fit, progress);
   carry_components(model.topology(), start.rest, model.fitted, false, fit.positions);
-  fit.face_from_scan = back_to_neutral(model, neutral, fit.positions);
+  fit.face_from_scan = back_to_neutral(start.steady, neutral, fit.positions);
   return fit;
 }
 

@@ -11,6 +11,7 @@
 #include "register/nonrigid.h"
 #include "register/number_text.h"
 #include "register/seals.h"
+#include "register/settled_skin.h"
 #include "register/start_warp.h"
 
 namespace vultus::registration {
@@ -162,11 +163,15 @@ Fit fit_standard_expression(const FitInput& input, const Registered& neutral, Pr
   for (PointTerm& pull : opening) pull.weight *= 2.0 * options.annealing.first_points;
   NonrigidFit nonrigid(model.topology(), start.rest, start.rest, model.fitted, input.scan, detail(head, start.rest),
                        options);
+  for (PointTerm settled : settled_skin(model, start.rest, fit.anchors, input.scan)) {
+    settled.weight *= 0.3 * nonrigid.unit();
+    pulls.kept.push_back(settled);
+  }
   nonrigid.follow(opening, 0.1 * options.annealing.first_stiffness, 6);
   nonrigid.anneal(pulls, options.annealing, progress);
   follow_look(input, neutral, start.scan_from_face, pulls, nonrigid, progress);
   fit.positions = nonrigid.finished().positions;
-  fit.face_from_scan = back_to_neutral(model, neutral, fit.positions);
+  fit.face_from_scan = back_to_neutral(start.steady, neutral, fit.positions);
   return fit;
 }
 

@@ -179,6 +179,7 @@ json cases_json(const std::vector<SetResult>& results) {
       entry["stretched_triangles"] = row.quality.stretched_triangles;
       entry["verdict"] = registration::verdict_name(row.quality.verdict);
       entry["reasons"] = row.quality.reasons;
+      entry["decisions"] = row.decisions;
       if (row.distances) {
         entry["surface_mean_mm"] = number(mean(row.distances->surface));
         entry["surface_p95_mm"] = number(quantile(row.distances->surface, 0.95));

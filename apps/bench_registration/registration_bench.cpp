@@ -120,6 +120,7 @@ class SetRun {
       row.register_seconds = seconds_since(start);
       row.processor_seconds += processor_seconds() - processor;
       row.quality = found.quality;
+      row.decisions = found.decisions;
       row.peak_bytes = std::max(row.peak_bytes, peak_memory());
       row.scan = scan_distances(cleaned, found, set_.measured());
       row.landmarks =

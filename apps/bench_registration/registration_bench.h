@@ -29,6 +29,7 @@ struct BenchOptions {
 /// One scan by one method.
 struct CaseRow {
   std::string set, method, person, pose;
+  std::vector<std::string> decisions;  ///< of the registration, in words
   std::string error;                   ///< why there is no result; the rest is then empty
   std::optional<Distances> distances;  ///< where the truth is known
   std::optional<Leak> leak;
