@@ -8,16 +8,29 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/files.h"
 #include "mocap/axes.h"
 #include "mocap/marker_names.h"
+#include "mocap/text_lines.h"
 #include "mocap/text_table.h"
 
 namespace vultus::mocap {
 
 namespace {
 
-using Lines = std::vector<std::string_view>;
+using Lines = std::vector<std::string>;
+
+constexpr std::size_t kStartLines = 20;  // more than any known form has above its samples
+constexpr std::size_t kSectionHead = 5;  // lines of a Trajectories section above its samples
+constexpr std::size_t kNone = ~std::size_t{0};
+
+/// What a first pass over the file keeps of it.
+struct Survey {
+  Lines start;                  ///< the first lines
+  Lines trajectories;           ///< Vicon's section from its name to its units
+  std::size_t section = kNone;  ///< line of its name
+  std::size_t end = 0;          ///< line after the section's samples, else after the file's lines
+  std::uint64_t bytes = 0;
+};
 
 std::string at_line(std::size_t line) { return "line " + std::to_string(line + 1); }
 
@@ -60,14 +73,13 @@ Table plain_table(const std::filesystem::path& file, const Lines& lines) {
   const std::vector<std::string> cells = cells_of(lines[0], table.separator);
   std::map<std::string, std::array<std::size_t, 3>> found;
   std::vector<std::string> order;
-  constexpr std::size_t none = ~std::size_t{0};
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (same_word(cells[c], "time") || same_word(cells[c], "time (seconds)")) table.time_column = c;
     const auto column = marker_column(cells[c]);
     if (!column) continue;
-    const auto [place, added] = found.try_emplace(column->first, std::array{none, none, none});
+    const auto [place, added] = found.try_emplace(column->first, std::array{kNone, kNone, kNone});
     if (added) order.push_back(column->first);
-    if (place->second[column->second] != none) {
+    if (place->second[column->second] != kNone) {
       throw InputError(file, at_line(0), "the column '" + cells[c] + "' stands there twice");
     }
     place->second[column->second] = c;
@@ -75,14 +87,13 @@ Table plain_table(const std::filesystem::path& file, const Lines& lines) {
   for (const std::string& name : order) {
     const auto& columns = found[name];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (columns[axis] == none) {
+      if (columns[axis] == kNone) {
         throw InputError(file, at_line(0), "marker '" + name + "' has no column for " + "xyz"[axis]);
       }
     }
     add_marker(table, name, columns);
   }
   table.first_row = 1;
-  table.end_row = lines.size();
   return table;
 }
 
@@ -116,7 +127,7 @@ Table motive_table(const std::filesystem::path& file, const Lines& lines) {
   table.convention = {after(facts, "Length Units"), "", "y"};
   std::vector<std::string> types, names, properties, axes;
   std::size_t l = 1;
-  for (; l < std::min<std::size_t>(lines.size(), 20) && axes.empty(); ++l) {
+  for (; l < std::min(lines.size(), kStartLines) && axes.empty(); ++l) {
     const std::vector<std::string> cells = cells_of(lines[l], ',');
     if (cells.size() < 3) continue;
     if (same_word(cells[0], "Frame")) {
@@ -145,43 +156,65 @@ Table motive_table(const std::filesystem::path& file, const Lines& lines) {
   drop_common_prefix(table.names);
   table.time_column = 1;
   table.first_row = l;
-  table.end_row = lines.size();
   return table;
 }
 
 /// Vicon: "Trajectories", the rate, names over every third column, axes, units; ends at a blank line.
-Table vicon_table(const std::filesystem::path& file, const Lines& lines, std::size_t section) {
+Table vicon_table(const std::filesystem::path& file, const Survey& survey) {
   Table table;
-  if (section + 5 > lines.size())
-    throw InputError(file, at_line(lines.size()), "the Trajectories section is cut short");
-  table.separator = separator_of(lines[section + 2]);
-  const Cell rate = cell_value(cells_of(lines[section + 1], table.separator)[0]);
+  const Lines& lines = survey.trajectories;
+  if (lines.size() < kSectionHead) {
+    throw InputError(file, at_line(survey.section + lines.size()), "the Trajectories section is cut short");
+  }
+  table.separator = separator_of(lines[2]);
+  const Cell rate = cell_value(cells_of(lines[1], table.separator)[0]);
   if (rate.kind != Cell::number || rate.value <= 0.0) {
-    throw InputError(file, at_line(section + 1), "the frame rate is expected below Trajectories");
+    throw InputError(file, at_line(survey.section + 1), "the frame rate is expected below Trajectories");
   }
   table.rate_hz = rate.value;
-  const std::vector<std::string> names = cells_of(lines[section + 2], table.separator);
-  const std::vector<std::string> axes = cells_of(lines[section + 3], table.separator);
-  const std::vector<std::string> units = cells_of(lines[section + 4], table.separator);
+  const std::vector<std::string> names = cells_of(lines[2], table.separator);
+  const std::vector<std::string> axes = cells_of(lines[3], table.separator);
+  const std::vector<std::string> units = cells_of(lines[4], table.separator);
   for (std::size_t c = 2; c + 2 < axes.size(); c += 3) {
     if (same_word(axes[c], "X")) add_marker(table, c < names.size() ? names[c] : "", {c, c + 1, c + 2});
   }
   drop_common_prefix(table.names);
   table.convention = {units.size() > 2 ? units[2] : "", "", "z"};  // Vicon's laboratory axes
-  table.first_row = section + 5;
-  table.end_row = table.first_row;
-  while (table.end_row < lines.size() && !trimmed(lines[table.end_row]).empty()) ++table.end_row;
+  table.first_row = survey.section + kSectionHead;
   return table;
 }
 
-Table table_of(const std::filesystem::path& file, const Lines& lines) {
-  if (lines[0].starts_with("Format Version") || lines[0].starts_with("\"Format Version"))
-    return motive_table(file, lines);
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    const std::string_view line = lines[l].substr(0, 13);
-    if (line.starts_with("Trajectories")) return vicon_table(file, lines, l);
+Survey survey_of(const std::filesystem::path& file) {
+  TextLines lines(file);
+  Survey survey;
+  survey.bytes = lines.file_bytes();
+  bool inside = false;
+  for (std::string_view line; lines.next(line);) {
+    const std::size_t l = lines.number() - 1;
+    if (l < kStartLines) survey.start.emplace_back(line);
+    if (survey.section == kNone && line.starts_with("Trajectories")) {
+      survey.section = l;
+      inside = true;
+    }
+    if (inside && survey.trajectories.size() < kSectionHead) {
+      survey.trajectories.emplace_back(line);
+    } else if (inside && trimmed(line).empty()) {
+      inside = false;
+      survey.end = l;
+    }
   }
-  return plain_table(file, lines);
+  if (survey.section == kNone || inside) survey.end = lines.number();
+  return survey;
+}
+
+Table table_of(const std::filesystem::path& file, const Survey& survey) {
+  const std::string& first = survey.start[0];
+  const bool motive = first.starts_with("Format Version") || first.starts_with("\"Format Version");
+  Table table = motive                    ? motive_table(file, survey.start)
+                : survey.section != kNone ? vicon_table(file, survey)
+                                          : plain_table(file, survey.start);
+  table.end_row = motive ? kNone : survey.end;
+  return table;
 }
 
 /// Cells of the row as views, quotes left in place (numbers have none that matter).
@@ -203,30 +236,46 @@ double rate_of(const std::vector<double>& times) {
   return std::abs(rate - std::round(rate)) < tolerance && rate > 5.0 ? std::round(rate) : rate;
 }
 
-void read_rows(const std::filesystem::path& file, const Lines& lines, const Table& table, Take& take) {
+/// One row's markers behind what `take` has.
+void read_row(const std::filesystem::path& file, std::size_t l, const std::vector<std::string_view>& cells,
+              const Table& table, Take& take) {
+  const bool decimal_comma = table.separator != ',';
+  for (const auto& columns : table.columns) {
+    bool here = true;
+    for (const std::size_t column : columns) {
+      const Cell cell = column < cells.size() ? cell_value(cells[column], decimal_comma) : Cell{Cell::missing, 0.0};
+      if (cell.kind == Cell::malformed) {
+        throw InputError(file, at_line(l),
+                         "column " + std::to_string(column + 1) + ": '" + trimmed(cells[column].substr(0, 40)) +
+                             "' is not a number");
+      }
+      here = here && cell.kind == Cell::number;
+      take.positions.push_back(static_cast<float>(cell.value));
+    }
+    take.present.push_back(here ? 1 : 0);
+    if (!here) std::fill(take.positions.end() - 3, take.positions.end(), 0.0F);
+  }
+}
+
+void read_rows(const std::filesystem::path& file, const Survey& survey, const Table& table, Take& take) {
+  TextLines lines(file);
   std::vector<std::string_view> cells;
   std::vector<double> times;
-  const bool decimal_comma = table.separator != ',';
-  for (std::size_t l = table.first_row; l < table.end_row; ++l) {
-    if (trimmed(lines[l]).empty()) continue;
-    split(lines[l], table.separator, cells);
-    for (const auto& columns : table.columns) {
-      bool here = true;
-      for (const std::size_t column : columns) {
-        const Cell cell = column < cells.size() ? cell_value(cells[column], decimal_comma) : Cell{Cell::missing, 0.0};
-        if (cell.kind == Cell::malformed) {
-          throw InputError(file, at_line(l),
-                           "column " + std::to_string(column + 1) + ": '" + trimmed(cells[column].substr(0, 40)) +
-                               "' is not a number");
-        }
-        here = here && cell.kind == Cell::number;
-        take.positions.push_back(static_cast<float>(cell.value));
-      }
-      take.present.push_back(here ? 1 : 0);
-      if (!here) std::fill(take.positions.end() - 3, take.positions.end(), 0.0F);
+  const std::size_t markers = table.columns.size(), most = samples_within(survey.bytes);
+  const std::size_t rows = std::min(survey.end - std::min(survey.end, table.first_row), most / markers);
+  take.positions.reserve(3 * rows * markers);
+  take.present.reserve(rows * markers);
+  for (std::string_view line; lines.next(line);) {
+    const std::size_t l = lines.number() - 1;
+    if (l >= table.end_row) break;
+    if (l < table.first_row || line.find_first_not_of(" \t\r") == line.npos) continue;
+    if (take.present.size() + markers > most) {
+      throw InputError(file, at_line(l), "the rows are too short for " + std::to_string(markers) + " markers");
     }
+    split(line, table.separator, cells);
+    read_row(file, l, cells, table, take);
     if (table.time_column && *table.time_column < cells.size()) {
-      const Cell time = cell_value(cells[*table.time_column], decimal_comma);
+      const Cell time = cell_value(cells[*table.time_column], table.separator != ',');
       if (time.kind == Cell::number) times.push_back(time.value);
     }
   }
@@ -236,10 +285,9 @@ void read_rows(const std::filesystem::path& file, const Lines& lines, const Tabl
 }  // namespace
 
 Take read_csv(const std::filesystem::path& file, const ReadOptions& options) {
-  const std::string text = read_file(file);
-  const Lines lines = lines_of(text);
-  if (lines.empty()) throw InputError(file, "is empty; a table of marker positions is expected");
-  const Table table = table_of(file, lines);
+  const Survey survey = survey_of(file);
+  if (survey.start.empty()) throw InputError(file, "is empty; a table of marker positions is expected");
+  const Table table = table_of(file, survey);
   if (table.columns.empty()) {
     throw InputError(file, at_line(0), "no marker columns (such as brow_x, brow_y, brow_z), no Motive or Vicon export");
   }
@@ -247,8 +295,8 @@ Take read_csv(const std::filesystem::path& file, const ReadOptions& options) {
   take.name = file.stem().string();
   take.labels = unique_names(table.names, table.columns.size(), take.decisions);
   take.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : table.rate_hz;
-  read_rows(file, lines, table, take);
-  if (take.frames() == 0) throw InputError(file, at_line(lines.size()), "the table holds no frames");
+  read_rows(file, survey, table, take);
+  if (take.frames() == 0) throw InputError(file, at_line(survey.end), "the table holds no frames");
   if (take.rate_hz == 0.0) {
     take.rate_hz = 30.0;
     take.decisions.push_back("rate: 30 Hz, assumed, as the file gives no times");

@@ -7,9 +7,6 @@
 
 namespace vultus::mocap {
 
-/// Lines of a text without their ends (LF, CRLF or CR LF mixed); a byte-order mark is passed over.
-std::vector<std::string_view> lines_of(std::string_view text);
-
 /// Cells of one line; double quotes protect separators and are removed, blanks around a cell too.
 std::vector<std::string> cells_of(std::string_view line, char separator);
 
@@ -20,6 +17,10 @@ struct Cell {
 };
 /// Empty, "NA", "NaN", "null", "-" and infinities are missing; `decimal_comma` accepts "1,5".
 Cell cell_value(std::string_view cell, bool decimal_comma = false);
+
+/// More samples than this no text of so many bytes is taken to hold: rows may end before their last missing cells, but
+/// a file of such stumps must not make a take far larger than itself.
+constexpr std::size_t samples_within(std::size_t bytes) { return bytes; }
 
 std::string trimmed(std::string_view text);
 bool same_word(std::string_view a, std::string_view b);  ///< without regard to case

@@ -1,6 +1,7 @@
 #include "mocap/trc.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <fstream>
 
@@ -8,11 +9,16 @@
 #include "core/files.h"
 #include "mocap/axes.h"
 #include "mocap/marker_names.h"
+#include "mocap/text_lines.h"
 #include "mocap/text_table.h"
 
 namespace vultus::mocap {
 
 namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::size_t kPiece = 1 << 20;  // bytes written at once
 
 std::string at_line(std::size_t line) { return "line " + std::to_string(line + 1); }
 
@@ -36,12 +42,18 @@ double stated(const std::filesystem::path& file, const std::vector<std::string>&
   return cell.value;
 }
 
-Header header_of(const std::filesystem::path& file, const std::vector<std::string_view>& lines) {
-  if (lines.size() < 4 || !lines[0].starts_with("PathFileType")) {
-    throw InputError(file, at_line(std::min<std::size_t>(lines.size(), 3)),
-                     "a TRC file starts with PathFileType, a line of keys, one of values and one of marker names");
+Header header_of(const std::filesystem::path& file, TextLines& lines) {
+  std::array<std::string, 4> text;
+  for (std::size_t l = 0; l < text.size(); ++l) {
+    std::string_view line;
+    const bool here = lines.next(line);
+    if (here) text[l] = line;
+    if (!here || (l == 0 && !line.starts_with("PathFileType"))) {
+      throw InputError(file, at_line(std::max<std::size_t>(lines.number(), 1) - 1),
+                       "a TRC file starts with PathFileType, a line of keys, one of values and one of marker names");
+    }
   }
-  const std::vector<std::string> keys = cells_of(lines[1], '\t'), values = cells_of(lines[2], '\t');
+  const std::vector<std::string> keys = cells_of(text[1], '\t'), values = cells_of(text[2], '\t');
   Header header;
   header.rate_hz = stated(file, keys, values, "DataRate");
   header.frames = static_cast<std::size_t>(stated(file, keys, values, "NumFrames"));
@@ -50,20 +62,25 @@ Header header_of(const std::filesystem::path& file, const std::vector<std::strin
   const auto unit = std::find_if(keys.begin(), keys.end(), [](const std::string& k) { return same_word(k, "Units"); });
   const auto unit_column = static_cast<std::size_t>(unit - keys.begin());
   if (unit_column < values.size()) header.unit = values[unit_column];
-  const std::vector<std::string> cells = cells_of(lines[3], '\t');
+  const std::vector<std::string> cells = cells_of(text[3], '\t');
   for (std::size_t c = 2; c < cells.size(); c += 3) header.names.push_back(cells[c]);
   while (header.names.size() > header.markers && header.names.back().empty()) header.names.pop_back();
+  if (header.markers == 0) throw InputError(file, at_line(2), "the file holds no markers");
+  // Even a missing marker needs its three tabs in the line of names.
+  if (header.markers > text[3].size()) {
+    throw InputError(file, at_line(2),
+                     std::to_string(header.markers) + " markers are stated, but line 4 names " +
+                         std::to_string(header.names.size()));
+  }
   return header;
 }
 
-/// Positions of one row; false when the row is blank.
-bool read_row(const std::filesystem::path& file, std::size_t line_number, std::string_view line, std::size_t markers,
-              std::vector<float>& positions, std::vector<std::uint8_t>& present) {
-  if (trimmed(line).empty()) return false;
-  positions.insert(positions.end(), 3 * markers, 0.0F);
-  present.insert(present.end(), markers, 1);
-  float* row = positions.data() + positions.size() - 3 * markers;
-  std::uint8_t* here = present.data() + present.size() - markers;
+void read_row(const std::filesystem::path& file, std::size_t line_number, std::string_view line, std::size_t markers,
+              Take& take) {
+  take.positions.insert(take.positions.end(), 3 * markers, 0.0F);
+  take.present.insert(take.present.end(), markers, 1);
+  float* row = take.positions.data() + take.positions.size() - 3 * markers;
+  std::uint8_t* here = take.present.data() + take.present.size() - markers;
   std::size_t start = 0;
   for (std::size_t column = 0; column < 3 * markers + 2; ++column) {
     const std::size_t end = start > line.size() ? start : std::min(line.find('\t', start), line.size());
@@ -79,7 +96,24 @@ bool read_row(const std::filesystem::path& file, std::size_t line_number, std::s
     if (cell.kind == Cell::missing) here[(column - 2) / 3] = 0;
     row[column - 2] = static_cast<float>(cell.value);
   }
-  return true;
+}
+
+void read_rows(const std::filesystem::path& file, const Header& header, TextLines& lines, Take& take) {
+  const std::size_t most = samples_within(lines.file_bytes());
+  const std::size_t expected = std::min(header.frames, most / header.markers) * header.markers;
+  take.positions.reserve(3 * expected);
+  take.present.reserve(expected);
+  for (std::string_view line; lines.next(line);) {
+    const std::size_t l = lines.number() - 1;
+    const std::string_view text = line.substr(std::min(line.find_first_not_of(" \t\r\0"sv), line.size()));
+    const bool column_names = l < 7 && text.starts_with('X');
+    if (column_names || text.empty()) continue;
+    if (take.present.size() + header.markers > most) {
+      throw InputError(file, at_line(l),
+                       "the rows are too short for the stated " + std::to_string(header.markers) + " markers");
+    }
+    read_row(file, l, line, header.markers, take);
+  }
 }
 
 void drop_origin(Take& take) {
@@ -102,32 +136,34 @@ void append(std::string& text, float value) {
   text.append(digits, end);
 }
 
+void append_row(std::string& text, const Take& take, int frame) {
+  text += std::to_string(take.first_frame + frame) + "\t";
+  append(text, static_cast<float>(frame / take.rate_hz));
+  for (int m = 0; m < take.markers(); ++m) {
+    const float* p = take.positions.data() + 3 * take.index(frame, m);
+    for (int c = 0; c < 3; ++c) {
+      text += "\t";
+      if (take.has(frame, m)) append(text, p[c]);
+    }
+  }
+  text += "\n";
+}
+
 }  // namespace
 
 Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
-  const std::string text = read_file(file);
-  if (text.empty()) throw InputError(file, "is empty; a TRC file is expected");
-  const std::vector<std::string_view> lines = lines_of(text);
+  TextLines lines(file);
+  if (lines.file_bytes() == 0) throw InputError(file, "is empty; a TRC file is expected");
   const Header header = header_of(file, lines);
-  if (header.markers == 0) throw InputError(file, at_line(2), "the file holds no markers");
-  // Even a missing marker needs its three tabs in the line of names.
-  if (header.markers > lines[3].size()) {
-    throw InputError(file, at_line(2),
-                     std::to_string(header.markers) + " markers are stated, but line 4 names " +
-                         std::to_string(header.names.size()));
-  }
   Take take;
   take.name = file.stem().string();
   take.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : header.rate_hz;
   take.labels = unique_names(header.names, header.markers, take.decisions);
-  for (std::size_t l = 4; l < lines.size(); ++l) {
-    const bool column_names = l < 7 && trimmed(lines[l]).starts_with("X");
-    if (!column_names) read_row(file, l, lines[l], header.markers, take.positions, take.present);
-  }
+  read_rows(file, header, lines, take);
   const auto frames = static_cast<std::size_t>(take.frames());
   if (frames < header.frames || frames == 0) {
     throw InputError(
-        file, at_line(lines.size()),
+        file, at_line(lines.number()),
         "the file ends after " + std::to_string(frames) + " of " + std::to_string(header.frames) + " frames");
   }
   if (frames > header.frames) {
@@ -154,19 +190,18 @@ void write_trc(const std::filesystem::path& file, const Take& take) {
     for (const char* axis : {"X", "Y", "Z"}) text += "\t" + (axis + std::to_string(m));
   }
   text += "\n\n";
-  for (int f = 0; f < take.frames(); ++f) {
-    text += std::to_string(take.first_frame + f) + "\t";
-    append(text, static_cast<float>(f / take.rate_hz));
-    for (int m = 0; m < take.markers(); ++m) {
-      const float* p = take.positions.data() + 3 * take.index(f, m);
-      for (int c = 0; c < 3; ++c) {
-        text += "\t";
-        if (take.has(f, m)) append(text, p[c]);
-      }
+  write_file_with(file, [&](const std::filesystem::path& temporary) {
+    std::ofstream stream(temporary, std::ios::binary);
+    for (int f = 0; f < take.frames(); ++f) {
+      append_row(text, take, f);
+      if (text.size() < kPiece && f + 1 < take.frames()) continue;
+      stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+      text.clear();
     }
-    text += "\n";
-  }
-  write_file(file, text);
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    stream.flush();
+    if (!stream) throw OutputError(file, "cannot be written (is the disk full?)");
+  });
 }
 
 }  // namespace vultus::mocap
