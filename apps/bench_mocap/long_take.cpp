@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "register/template_head.h"
 
-namespace vultus::apps::bench {
+namespace vultus::apps::bench_mocap {
 namespace {
 
 constexpr double kRate = 120.0, kPerformed = 60.0;  // seconds
@@ -78,4 +78,4 @@ mocap::Take long_take(const LongTakeOptions& options) {
   return take;
 }
 
-}  // namespace vultus::apps::bench
+}  // namespace vultus::apps::bench_mocap

@@ -4,7 +4,7 @@
 
 #include "mocap/take.h"
 
-namespace vultus::apps::bench {
+namespace vultus::apps::bench_mocap {
 
 struct LongTakeOptions {
   double seconds = 600.0;  ///< > 0
@@ -17,4 +17,4 @@ struct LongTakeOptions {
 /// recorded; it runs forward and backward until the time is full, with new noise and new bursts throughout.
 mocap::Take long_take(const LongTakeOptions& options = {});
 
-}  // namespace vultus::apps::bench
+}  // namespace vultus::apps::bench_mocap

@@ -39,7 +39,7 @@ nlohmann::json empty_report() {
 }
 
 const std::vector<Part>& parts() {
-  static const std::vector<Part> all = {{"gaps", measure_gaps}};
+  static const std::vector<Part> all = {{"gaps", measure_gaps}, {"speed", measure_speed}};
   return all;
 }
 

@@ -42,6 +42,9 @@ struct Part {
 /// Gaps cut into real takes, filled, and compared with the truth and with interpolation.
 void measure_gaps(const MocapBenchOptions& options, MocapFigures& figures, Progress& progress);
 
+/// Reading and cleaning of ten minutes: seconds and memory (speed.h).
+void measure_speed(const MocapBenchOptions& options, MocapFigures& figures, Progress& progress);
+
 /// Every part, in the order in which they run.
 const std::vector<Part>& parts();
 
