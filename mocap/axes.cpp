@@ -146,10 +146,18 @@ void to_our_frame(Take& take, const FileConvention& convention, const ReadOption
   const Eigen::Matrix3i axes = decide_axes(take, convention, options);
   if (mm == 1.0 && axes.isIdentity()) return;  // bit for bit as stored
   const Eigen::Matrix3f turn = axes.cast<float>();
+  std::size_t beyond = 0;  // samples that no float holds in millimetres
   for (std::size_t i = 0; i < take.present.size(); ++i) {
     Eigen::Map<Eigen::Vector3f> p(take.positions.data() + 3 * i);
     const Eigen::Vector3f turned = turn * p;
     p = mm == 1.0 ? turned : Eigen::Vector3f((turned.cast<double>() * mm).cast<float>());
+    if (take.present[i] == 0 || p.allFinite()) continue;
+    take.present[i] = 0;
+    p.setZero();
+    ++beyond;
+  }
+  if (beyond > 0) {
+    take.decisions.push_back("samples: " + std::to_string(beyond) + " beyond all measure taken as missing");
   }
   for (float& residual : take.residuals) residual = static_cast<float>(residual * mm);
   take.residual_step = static_cast<float>(take.residual_step * mm);
