@@ -37,7 +37,8 @@ struct C3dHead {
 };
 
 /// Reads header and parameters and settles the layout: of the counts and offsets that header and parameters give, the
-/// first combination that fills the file to its last block. Throws `InputError` when none fits into the file.
+/// first combination that fills the file to its last block; else the only one with frames beyond 16 bits, or with real
+/// samples under an integer's scale, that does. Throws `InputError` when none fits into the file.
 C3dHead read_c3d_head(FileBytes& file, std::vector<std::string>& decisions);
 
 }  // namespace vultus::mocap

@@ -111,13 +111,15 @@ void read_events(FileBytes& file, const C3dHead& head, Take& take) {
     const float time = head.decoder.real(header.data() + 304 + 4 * i);
     if (std::isfinite(time)) take.events.push_back({label, time});
   }
-  const std::vector<std::string> labels = head.parameters.long_strings("EVENT", "LABELS");
-  for (std::size_t i = 0; i < labels.size(); ++i) {  // TIMES holds minutes and seconds
-    const auto minutes = head.parameters.number("EVENT", "TIMES", 2 * i);
-    const auto seconds = head.parameters.number("EVENT", "TIMES", 2 * i + 1);
-    if (minutes && seconds && std::isfinite(*minutes * 60.0 + *seconds)) {
-      take.events.push_back({labels[i], *minutes * 60.0 + *seconds});
-    }
+  const C3dParameters& p = head.parameters;
+  const std::vector<std::string> labels = p.long_strings("EVENT", "LABELS"),
+                                 contexts = p.long_strings("EVENT", "CONTEXTS");
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::string times = i < 255 ? "TIMES" : "TIMES" + std::to_string(i / 255 + 1);
+    const auto minutes = p.number("EVENT", times, 2 * (i % 255)), seconds = p.number("EVENT", times, 2 * (i % 255) + 1);
+    if (!minutes || !seconds || !std::isfinite(*minutes * 60.0 + *seconds)) continue;
+    const bool sided = i < contexts.size() && !contexts[i].empty() && contexts[i] != "General";
+    take.events.push_back({(sided ? contexts[i] + " " : "") + labels[i], *minutes * 60.0 + *seconds});
   }
 }
 

@@ -24,6 +24,24 @@ float residual_step(const Take& take) {
   return largest > 255.5F * step ? largest / 255.0F : step;
 }
 
+/// Names in LABELS, LABELS2, …; minutes and seconds in TIMES, TIMES2, …, 255 each.
+void put_events(const std::vector<Event>& events, C3dParameterWriter& writer) {
+  std::vector<std::string> labels;
+  for (const Event& event : events) labels.push_back(event.label);
+  writer.group(kEventGroup, "EVENT");
+  writer.integers(kEventGroup, "USED", {static_cast<int>(labels.size())});
+  writer.texts(kEventGroup, "LABELS", labels);
+  for (std::size_t first = 0; first < events.size(); first += 255) {
+    std::vector<float> times;
+    for (std::size_t i = first; i < std::min(first + 255, events.size()); ++i) {
+      const double minutes = std::floor(events[i].time_s / 60.0);
+      times.insert(times.end(), {static_cast<float>(minutes), static_cast<float>(events[i].time_s - 60.0 * minutes)});
+    }
+    const int n = static_cast<int>(times.size() / 2);
+    writer.reals(kEventGroup, first == 0 ? "TIMES" : "TIMES" + std::to_string(first / 255 + 1), times, {2, n});
+  }
+}
+
 std::vector<std::uint8_t> parameter_section(const Take& take, float step, int data_block) {
   const int frames = take.frames(), last = take.first_frame + frames - 1;
   C3dParameterWriter writer;
@@ -45,19 +63,7 @@ std::vector<std::uint8_t> parameter_section(const Take& take, float step, int da
   writer.reals(kTrialGroup, "CAMERA_RATE", {static_cast<float>(take.rate_hz)});
   writer.group(kAnalogGroup, "ANALOG");
   writer.integers(kAnalogGroup, "USED", {0});
-  if (!take.events.empty()) {
-    std::vector<std::string> labels;
-    std::vector<float> times;
-    for (const Event& event : take.events) {
-      const double minutes = std::floor(event.time_s / 60.0);
-      labels.push_back(event.label);
-      times.insert(times.end(), {static_cast<float>(minutes), static_cast<float>(event.time_s - 60.0 * minutes)});
-    }
-    writer.group(kEventGroup, "EVENT");
-    writer.integers(kEventGroup, "USED", {static_cast<int>(labels.size())});
-    writer.texts(kEventGroup, "LABELS", labels);
-    if (labels.size() <= 255) writer.reals(kEventGroup, "TIMES", times, {2, static_cast<int>(labels.size())});
-  }
+  if (!take.events.empty()) put_events(take.events, writer);
   writer.group(kManufacturerGroup, "MANUFACTURER");
   writer.text(kManufacturerGroup, "SOFTWARE", "Vultus");
   return writer.finish();

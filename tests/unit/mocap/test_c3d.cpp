@@ -137,6 +137,73 @@ TEST_F(C3d, OptionsOverrideTheFile) {
   EXPECT_THROW(read_c3d(folder / "tiny.c3d", options), InputError);
 }
 
+TEST_F(C3d, HundredsOfEventsComeBack) {
+  Take take = random_take(3, 2, 4);
+  for (int i = 0; i < 300; ++i) take.events.push_back({"e" + std::to_string(i), 0.5 * i});
+  write_c3d(folder / "events.c3d", take);
+  const Take read = read_c3d(folder / "events.c3d");
+  ASSERT_EQ(read.events.size(), 300U);
+  EXPECT_EQ(read.events[299].label, "e299");
+  EXPECT_NEAR(read.events[299].time_s, 149.5, 1e-5);  // stored in single precision
+}
+
+bool says(const Take& take, const std::string& words) {
+  return std::any_of(take.decisions.begin(), take.decisions.end(),
+                     [&](const std::string& line) { return line.find(words) != std::string::npos; });
+}
+
+TEST_F(C3d, RepairsWhatIsUnambiguousAndSaysSo) {
+  const Take sound = read_c3d(write("sound.c3d", tiny(84, true)));
+  const auto repaired = [&](std::string bytes, const std::string& words) {
+    const Take take = read_c3d(write("odd.c3d", bytes));
+    expect_same(take, sound);
+    EXPECT_TRUE(says(take, words)) << words << ": " << (take.decisions.empty() ? "" : take.decisions[0]);
+    EXPECT_FALSE(says(sound, words));
+  };
+  std::string bytes = tiny(84, true);
+  bytes[0] = 0;  // the parameter section nowhere, or where none is
+  repaired(bytes, "found in block 2");
+  bytes[0] = 4;
+  repaired(bytes, "found in block 2");
+  bytes = tiny(84, true);
+  bytes[514] = 99;  // blocks of parameters
+  repaired(bytes, "end where the samples start");
+  bytes = tiny(84, true);
+  bytes[15] = static_cast<char>(bytes[15] & 0x7f);  // a positive scale over real samples
+  bytes.resize(bytes.size() + 512);
+  // Two frames of one marker fill a block either way, so nothing says that they are real: read as stated.
+  EXPECT_NE(read_c3d(write("odd.c3d", bytes)).positions, sound.positions);
+}
+
+TEST_F(C3d, RealSamplesUnderAnIntegerScale) {
+  Take take = random_take(200, 5, 6);
+  for (std::size_t i = 0; i < take.present.size(); ++i) take.present[i] = 1;
+  write_c3d(folder / "real.c3d", take);
+  std::string bytes = bytes_of(folder / "real.c3d");
+  bytes[15] = static_cast<char>(bytes[15] & 0x7f);  // the header's sign
+  const std::size_t scale = bytes.find("SCALE");
+  bytes[scale + 12] = static_cast<char>(bytes[scale + 12] & 0x7f);  // and the parameter's: 5 letters, 2+1+1 bytes, 4
+  const Take read = read_c3d(write("positive.c3d", bytes));
+  expect_same(read, read_c3d(folder / "real.c3d"));
+  EXPECT_TRUE(says(read, "the only one that fills the file"));
+}
+
+TEST_F(C3d, FramesThatRanOverSixteenBits) {
+  Take take = Take::empty("long", 240.0, {"a", "b"}, 70001);
+  for (int f = 0; f < take.frames(); f += 7) take.set(f, f % 2, {f * 0.01, 1.0, 2.0});
+  write_c3d(folder / "long.c3d", take);
+  std::string bytes = bytes_of(folder / "long.c3d");
+  for (const char* name : {"ACTUAL_START_FIELD", "ACTUAL_END_FIELD", "LONG_FRAMES", "FRAMES"}) {
+    for (std::size_t at = bytes.find(name); at < 4096; at = bytes.find(name)) bytes[at] = 'Q';
+  }
+  expect_same(read_c3d(write("stopped.c3d", bytes)), take);  // the header stops at 65,535
+  bytes[8] = 70001 & 0xff;
+  bytes[9] = (70001 >> 8) & 0xff;
+  const Take wrapped = read_c3d(write("wrapped.c3d", bytes));
+  expect_same(wrapped, take);
+  EXPECT_TRUE(says(wrapped, "the only one that fills the file"));
+}
+
 TEST_F(C3d, EveryTruncationIsRefusedOrRead) {
   const std::string whole = tiny(84, true);
   const std::size_t samples_end = 3 * 512 + 32;
@@ -191,6 +258,30 @@ TEST_F(C3d, RefusesWhatIsNoC3d) {
   EXPECT_THROW(write_c3d(folder / "empty.c3d", Take{}), OutputError);
 }
 
+TEST_F(C3d, EveryRealFileReadsAndSurvivesWriting) {
+  const auto data = real_data() / "c3d-samples/C3DSamples/c3d.org";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << "VULTUS_DATA has no c3d-samples";
+  int files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(data)) {
+    std::string extension = entry.path().extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension != ".c3d") continue;
+    ++files;
+    const Take take = read_c3d(entry.path());
+    write_c3d(folder / "again.c3d", take);
+    const Take again = read_c3d(folder / "again.c3d");
+    SCOPED_TRACE(entry.path());
+    expect_same(take, again);  // bit for bit, what is missing included
+    EXPECT_EQ(take.cameras, again.cameras);
+    EXPECT_EQ(take.events.size(), again.events.size());
+    for (std::size_t i = 0; i < take.residuals.size(); ++i) {
+      ASSERT_NEAR(take.residuals[i], again.residuals[i], 0.51F * take.residual_step) << i;  // whole steps are kept
+    }
+  }
+  EXPECT_EQ(files, 21);
+}
+
 TEST(C3dReal, EquivalentFilesAgree) {
   const auto data = real_data() / "c3d-samples/C3DSamples/c3d.org";
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "VULTUS_DATA has no c3d-samples";
@@ -205,10 +296,15 @@ TEST(C3dReal, EquivalentFilesAgree) {
       const Take take = read_c3d(data / name);
       ASSERT_EQ(take.labels, reference.labels) << name;
       ASSERT_EQ(take.present, reference.present) << name;
-      // The converter that made DEC_INT carried one bit of 96 residual words into the camera mask; no other does.
-      if (name != "sample02/DEC_INT.C3D") {
-        EXPECT_EQ(take.cameras, reference.cameras) << name;
+      // DEC_INT itself holds another number in 96 of its camera masks, each larger by exactly one (0x39 for 0x3a):
+      // nothing in the file tells which, so what it says is kept.
+      int differing = 0;
+      for (std::size_t i = 0; i < take.cameras.size(); ++i) {
+        if (take.cameras[i] == reference.cameras[i]) continue;
+        ++differing;
+        ASSERT_EQ(take.cameras[i], reference.cameras[i] + 1) << name << " " << i;
       }
+      EXPECT_EQ(differing, name == "sample02/DEC_INT.C3D" ? 96 : 0) << name;
       const float step = reference.residual_step;  // the files' own quantization
       for (std::size_t i = 0; i < take.present.size(); ++i) {
         if (take.present[i] == 0) continue;
