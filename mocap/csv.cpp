@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "mocap/axes.h"
+#include "mocap/frame_times.h"
 #include "mocap/marker_names.h"
 #include "mocap/text_lines.h"
 #include "mocap/text_table.h"
@@ -257,10 +258,10 @@ void read_row(const std::filesystem::path& file, std::size_t l, const std::vecto
   }
 }
 
-void read_rows(const std::filesystem::path& file, const Survey& survey, const Table& table, Take& take) {
+void read_rows(const std::filesystem::path& file, const Survey& survey, const Table& table, Take& take,
+               TextTimes& times) {
   TextLines lines(file);
   std::vector<std::string_view> cells;
-  std::vector<double> times;
   const std::size_t markers = table.columns.size(), most = samples_within(survey.bytes);
   const std::size_t rows = std::min(survey.end - std::min(survey.end, table.first_row), most / markers);
   take.positions.reserve(3 * rows * markers);
@@ -274,12 +275,9 @@ void read_rows(const std::filesystem::path& file, const Survey& survey, const Ta
     }
     split(line, table.separator, cells);
     read_row(file, l, cells, table, take);
-    if (table.time_column && *table.time_column < cells.size()) {
-      const Cell time = cell_value(cells[*table.time_column], table.separator != ',');
-      if (time.kind == Cell::number) times.push_back(time.value);
-    }
+    if (!table.time_column) continue;
+    times.add(*table.time_column < cells.size() ? cells[*table.time_column] : "", table.separator != ',');
   }
-  if (take.rate_hz == 0.0) take.rate_hz = rate_of(times);
 }
 
 }  // namespace
@@ -295,12 +293,16 @@ Take read_csv(const std::filesystem::path& file, const ReadOptions& options) {
   take.name = file.stem().string();
   take.labels = unique_names(table.names, table.columns.size(), take.decisions);
   take.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : table.rate_hz;
-  read_rows(file, survey, table, take);
+  TextTimes times;
+  read_rows(file, survey, table, take, times);
+  if (take.rate_hz == 0.0) take.rate_hz = rate_of(times.finite());
   if (take.frames() == 0) throw InputError(file, at_line(survey.end), "the table holds no frames");
   if (take.rate_hz == 0.0) {
     take.rate_hz = 30.0;
     take.decisions.push_back("rate: 30 Hz, assumed, as the file gives no times");
   }
+  drop_origin(take);
+  if (options.rate_hz <= 0.0 && table.time_column) to_even_times(take, times.seconds, times.step());
   to_our_frame(take, table.convention, options);
   return take;
 }

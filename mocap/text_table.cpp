@@ -4,6 +4,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace vultus::mocap {
 
@@ -51,6 +53,40 @@ Cell cell_value(std::string_view cell, bool decimal_comma) {
   if (error != std::errc() || end != cell.data() + cell.size()) return {Cell::malformed, 0.0};
   result.kind = std::isfinite(result.value) && std::abs(result.value) < 1e30 ? Cell::number : Cell::missing;
   return result;
+}
+
+void TextTimes::add(std::string_view cell, bool decimal_comma) {
+  const Cell time = cell_value(cell, decimal_comma);
+  seconds.push_back(time.kind == Cell::number ? time.value : std::numeric_limits<double>::quiet_NaN());
+  const std::string_view text = stripped(cell);
+  const std::size_t point = text.find_first_of(decimal_comma ? ".," : "."), end = text.find_first_of("eE");
+  if (end != text.npos) {
+    digits = 12;
+  } else if (point != text.npos) {
+    digits = std::max(digits, static_cast<int>(std::min<std::size_t>(text.size() - point - 1, 12)));
+  }
+}
+
+double TextTimes::step() const { return std::pow(10.0, -digits); }
+
+std::vector<double> TextTimes::finite() const {
+  std::vector<double> result;
+  std::copy_if(seconds.begin(), seconds.end(), std::back_inserter(result), [](double t) { return std::isfinite(t); });
+  return result;
+}
+
+void drop_origin(Take& take) {
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < take.present.size(); ++i) {
+    float* p = take.positions.data() + 3 * i;
+    if (take.present[i] != 0 && p[0] == 0.0F && p[1] == 0.0F && p[2] == 0.0F) {
+      take.present[i] = 0;
+      ++dropped;
+    }
+    if (take.present[i] == 0) std::fill(p, p + 3, 0.0F);
+  }
+  if (dropped > 0)
+    take.decisions.push_back("samples: " + std::to_string(dropped) + " at exactly (0, 0, 0) taken as missing");
 }
 
 std::string trimmed(std::string_view text) { return std::string(stripped(text)); }

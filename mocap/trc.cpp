@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "mocap/axes.h"
+#include "mocap/frame_times.h"
 #include "mocap/marker_names.h"
 #include "mocap/text_lines.h"
 #include "mocap/text_table.h"
@@ -98,7 +99,8 @@ void read_row(const std::filesystem::path& file, std::size_t line_number, std::s
   }
 }
 
-void read_rows(const std::filesystem::path& file, const Header& header, TextLines& lines, Take& take) {
+void read_rows(const std::filesystem::path& file, const Header& header, TextLines& lines, Take& take,
+               TextTimes& times) {
   const std::size_t most = samples_within(lines.file_bytes());
   const std::size_t expected = std::min(header.frames, most / header.markers) * header.markers;
   take.positions.reserve(3 * expected);
@@ -113,21 +115,9 @@ void read_rows(const std::filesystem::path& file, const Header& header, TextLine
                        "the rows are too short for the stated " + std::to_string(header.markers) + " markers");
     }
     read_row(file, l, line, header.markers, take);
+    const std::size_t first = std::min(line.find('\t'), line.size() - 1) + 1;
+    times.add(line.substr(first, line.find('\t', first) - first));
   }
-}
-
-void drop_origin(Take& take) {
-  std::size_t dropped = 0;
-  for (std::size_t i = 0; i < take.present.size(); ++i) {
-    float* p = take.positions.data() + 3 * i;
-    if (take.present[i] != 0 && p[0] == 0.0F && p[1] == 0.0F && p[2] == 0.0F) {
-      take.present[i] = 0;
-      ++dropped;
-    }
-    if (take.present[i] == 0) std::fill(p, p + 3, 0.0F);
-  }
-  if (dropped > 0)
-    take.decisions.push_back("samples: " + std::to_string(dropped) + " at exactly (0, 0, 0) taken as missing");
 }
 
 void append(std::string& text, float value) {
@@ -159,7 +149,8 @@ Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
   take.name = file.stem().string();
   take.rate_hz = options.rate_hz > 0.0 ? options.rate_hz : header.rate_hz;
   take.labels = unique_names(header.names, header.markers, take.decisions);
-  read_rows(file, header, lines, take);
+  TextTimes times;
+  read_rows(file, header, lines, take, times);
   const auto frames = static_cast<std::size_t>(take.frames());
   if (frames < header.frames || frames == 0) {
     throw InputError(
@@ -171,6 +162,7 @@ Take read_trc(const std::filesystem::path& file, const ReadOptions& options) {
                              std::to_string(header.frames));
   }
   drop_origin(take);
+  if (options.rate_hz <= 0.0) to_even_times(take, times.seconds, times.step());
   to_our_frame(take, {header.unit, "", ""}, options);
   return take;
 }

@@ -63,7 +63,7 @@ void check_take(const mocap::Take& take, std::size_t bytes) {
   if (take.positions.size() != 3 * samples) fail("positions and samples disagree");
   if (!take.residuals.empty() && take.residuals.size() != samples) fail("residuals and samples disagree");
   if (!take.cameras.empty() && take.cameras.size() != samples) fail("camera masks and samples disagree");
-  if (samples > bytes) fail("more samples than bytes");
+  if (samples > 2 * bytes) fail("more samples than the input can hold");  // twice: frames that times left out
   if (!(take.rate_hz > 0.0) || !std::isfinite(take.rate_hz)) fail("no frame rate");
   for (std::size_t i = 0; i < 3 * samples; ++i) {
     if (take.present[i / 3] != 0 && !std::isfinite(take.positions[i])) fail("a sample that is not finite");

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include "mocap/frame_times.h"
+#include "mocap/trc.h"
+#include "tests/unit/mocap/takes.h"
+
+namespace vultus::mocap {
+namespace {
+
+/// A marker on a parabola, which cubic Hermite follows exactly inside: x = t², mm at t in hundredths of a second.
+Take on_parabola(const std::vector<double>& times) {
+  Take take = Take::empty("t", 100.0, {"a", "b"}, static_cast<int>(times.size()));
+  for (int f = 0; f < take.frames(); ++f) {
+    const double t = 100.0 * times[static_cast<std::size_t>(f)];
+    take.set(f, 0, {t * t, t, 0.0});
+    if (f != 20) take.set(f, 1, {0.0, t, 1.0});
+  }
+  return take;
+}
+
+std::vector<double> even(int n) {
+  std::vector<double> times;
+  for (int f = 0; f < n; ++f) times.push_back(0.01 * f);
+  return times;
+}
+
+TEST(FrameTimes, EvenTimesChangeNothing) {
+  std::vector<double> times = even(60);
+  for (std::size_t f = 0; f < times.size(); f += 3) times[f] += 0.0004;  // as printed: within a tenth of a frame
+  Take take = on_parabola(times);
+  const Take before = take;
+  to_even_times(take, times, 0.0);
+  EXPECT_EQ(take.positions, before.positions);
+  EXPECT_EQ(take.rate_hz, 100.0);
+  EXPECT_TRUE(take.decisions.empty());
+}
+
+TEST(FrameTimes, FramesLeftOutComeBackAsMissing) {
+  std::vector<double> times = even(60);
+  times.erase(times.begin() + 30, times.begin() + 33);
+  Take take = on_parabola(times);
+  to_even_times(take, times, 0.0);
+  ASSERT_EQ(take.frames(), 60);
+  for (const int f : {30, 31, 32}) EXPECT_FALSE(take.has(f, 0)) << f;
+  EXPECT_NEAR(take.at(33, 0).y(), 33.0, 1e-4);
+  EXPECT_NEAR(take.at(59, 0).y(), 59.0, 1e-4);
+  EXPECT_NE(take.decisions.back().find("3 frames left out"), std::string::npos) << take.decisions.back();
+}
+
+TEST(FrameTimes, AFrameGivenTwiceIsTakenOut) {
+  std::vector<double> times = even(60);
+  times.insert(times.begin() + 30, times[30]);
+  Take take = on_parabola(times);
+  to_even_times(take, times, 0.0);
+  ASSERT_EQ(take.frames(), 60);
+  for (int f = 0; f < 60; ++f) EXPECT_NEAR(take.at(f, 0).y(), f, 1e-4);
+}
+
+TEST(FrameTimes, ADriftingClockGivesItsOwnRate) {
+  std::vector<double> times = even(200);
+  for (double& t : times) t *= 1.002;
+  Take take = on_parabola(times);
+  to_even_times(take, times, 0.0);
+  EXPECT_NEAR(take.rate_hz, 100.0 / 1.002, 1e-6);
+  EXPECT_EQ(take.frames(), 200);
+}
+
+TEST(FrameTimes, AWanderingClockIsInterpolated) {
+  std::vector<double> times = even(400);
+  for (int f = 0; f < 400; ++f) times[static_cast<std::size_t>(f)] += 0.008 * std::sin(0.02 * f);  // up to 0.8 frames
+  Take take = on_parabola(times);
+  const Take read = take;
+  to_even_times(take, times, 0.0);
+  // The line through these times is not that of the true clock; on it, distances between frames are even again.
+  const double step = take.at(200, 0).y() - take.at(199, 0).y();
+  double worst = 0.0, worst_before = 0.0;
+  for (int f = 40; f < 360; ++f) {
+    worst = std::max(worst, std::abs(take.at(f + 1, 0).y() - take.at(f, 0).y() - step));
+    worst_before = std::max(worst_before, std::abs(read.at(f + 1, 0).y() - read.at(f, 0).y() - 1.0));
+  }
+  EXPECT_GT(worst_before, 0.015);
+  EXPECT_LT(worst, 0.003);  // samples within a tenth of a frame stay as read: a step of 0.016 of them at worst
+  EXPECT_FALSE(take.has(20, 1) && take.has(19, 1) && take.has(21, 1) && take.at(20, 1).z() != 1.0);
+}
+
+TEST(FrameTimes, TimesThatFallAreReported) {
+  std::vector<double> times = even(60);
+  std::swap(times[20], times[40]);
+  Take take = on_parabola(even(60));
+  const Take before = take;
+  to_even_times(take, times, 0.0);
+  EXPECT_EQ(take.positions, before.positions);
+  EXPECT_NE(take.decisions.back().find("do not rise"), std::string::npos);
+}
+
+class FrameTimesFile : public InFolder {};
+
+TEST_F(FrameTimesFile, OfATrcAreUsed) {
+  write_trc(folder / "a.trc", on_parabola(even(30)));
+  std::string text = bytes_of(folder / "a.trc");
+  text.erase(text.find("\n11\t") + 1, text.find("\n13\t") - text.find("\n11\t"));  // two rows lost
+  text.replace(text.find("\t30\t2\tmm"), 4, "\t28\t");
+  const Take take = read_trc(write("b.trc", text));
+  ASSERT_EQ(take.frames(), 30);
+  EXPECT_FALSE(take.has(10, 0));
+  EXPECT_FALSE(take.has(11, 0));
+  EXPECT_FLOAT_EQ(static_cast<float>(take.at(29, 0).y()), 29.0F);
+}
+
+}  // namespace
+}  // namespace vultus::mocap
