@@ -83,7 +83,7 @@ class Eye {
 LidClosing find_lid_closing(const Template& head, const std::vector<bool>& fitted, const Points& rest,
                             const ScanSurface& scan) {
   LidClosing closing;
-  constexpr double closed = 0.5, open = 2.0;  // mm; a narrow eye fits without help
+  constexpr double closed = 2.2, open = 4.4;  // mm: a groove at most; a narrow eye fits without help
   for (const Seal& seal : find_seals(head, rest, scan)) {
     const bool right = seal.name == "right lids";
     if (!right && seal.name != "left lids") continue;

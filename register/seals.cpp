@@ -122,9 +122,11 @@ std::optional<double> step_at(const std::vector<double>& height, int at, int win
 }
 
 // Distance between the step down into the eye and the step up out of it, 0 without such steps, nothing where neither is
-// clear.
+// clear. The upper lid of an open eye is the higher step; where lids meet, a fold may rise and no skin goes down, or
+// both steps are walls of one groove.
 std::optional<double> aperture(const std::vector<double>& height) {
-  constexpr double clear = 0.9, none = 0.6;  // mm; a lid is 1.5 to 2 mm thick
+  constexpr double clear = 0.9, none = 0.6;                            // mm; a lid is 1.5 to 2 mm thick
+  constexpr double level = 0.3, fold = 1.2, wall = 1.4, groove = 2.2;  // mm
   const int window = static_cast<int>(std::lround(1.4 / probe_step));
   double drop = 0.0, rise = 0.0;
   int drop_at = -1, rise_at = -1;
@@ -135,6 +137,9 @@ std::optional<double> aperture(const std::vector<double>& height) {
   }
   if (drop >= clear && rise >= clear && rise_at > drop_at) return (rise_at - drop_at) * probe_step;
   if (drop <= none && rise <= none) return 0.0;
+  if (drop <= level && rise <= fold) return 0.0;
+  const double apart = (rise_at - drop_at) * probe_step;
+  if (apart > 0.0 && apart <= groove && rise <= wall) return apart;
   return {};
 }
 

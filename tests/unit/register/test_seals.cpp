@@ -50,6 +50,15 @@ TEST(Seals, LidsShowAsTwoSteps) {
   EXPECT_EQ(seals_on(wall([](double x, double y) { return eye_depth(x, y, 0.0); }))[1].scan_gap, 0.0);
 }
 
+// Lids that meet leave a fold, or a groove between two rims; neither is an open eye.
+TEST(Seals, AFoldOfClosedLidsIsNoStepOfAnOpenOne) {
+  const auto fold = seals_on(wall([](double, double y) { return y < 50.0 ? -8.6 : -9.5; }));
+  EXPECT_EQ(fold[1].scan_gap, 0.0);
+  const auto groove = seals_on(wall([](double, double y) { return std::abs(y - 50.0) < 0.8 ? -8.2 : -9.0; }));
+  EXPECT_GE(groove[1].scan_gap, 0.0);
+  EXPECT_LE(groove[1].scan_gap, 2.2);
+}
+
 // An upper lid stands out more than twice as far as a lower one: the level eye beside its steep step is no step down.
 TEST(Seals, AThinLowerLidBelowAThickUpperOneIsStillThere) {
   const auto seals = seals_on(wall([](double x, double y) {
