@@ -8,14 +8,14 @@
 #include <limits>
 #include <numeric>
 
-#include "mocap/gap_trials.h"
+#include "mocap/statistics.h"
 
 namespace vultus::mocap {
 
 namespace {
 
-constexpr std::size_t kInputs = 24, kFewestInputs = 4, kFewestFrames = 12;
-constexpr double kDenseSeconds = 0.2, kNearSeconds = 1.0, kNearStep = 1.0 / 15.0;
+constexpr std::size_t kInputs = 40, kFewestInputs = 4, kFewestFrames = 12;
+constexpr double kDenseSeconds = 0.2, kNearSeconds = 0.5, kNearStep = 1.0 / 15.0;
 
 double matern52(double r) {
   const double s = std::sqrt(5.0) * r;
@@ -62,6 +62,23 @@ double prior_variance(const RegressionKernel& kernel, double length_squared) {
          kernel.smooth * kernel.smooth;
 }
 
+/// Deviation of a coordinate's white noise, from its fourth differences, in which motion all but vanishes (of noise
+/// alone they have 70 times its variance).
+double jitter(const Take& take, int marker, int step) {
+  constexpr double least = 5e-4;  // mm; keeps matrices regular for takes that were smoothed or synthesized
+  std::vector<double> differences;
+  for (int f = 2; f + 2 < take.frames(); f += step) {
+    bool seen = true;
+    for (int k = -2; k <= 2; ++k) seen = seen && take.has(f + k, marker);
+    if (!seen) continue;
+    const Eigen::Vector3d d = take.at(f - 2, marker) - 4.0 * take.at(f - 1, marker) + 6.0 * take.at(f, marker) -
+                              4.0 * take.at(f + 1, marker) + take.at(f + 2, marker);
+    for (int c = 0; c < 3; ++c) differences.push_back(std::abs(d(c)));
+  }
+  if (differences.empty()) return least;
+  return std::max(least, median(std::move(differences)) / (0.6745 * std::sqrt(70.0)));
+}
+
 }  // namespace
 
 GapRegression::GapRegression(const Take& measured, const Take& guess, int spread)
@@ -69,7 +86,8 @@ GapRegression::GapRegression(const Take& measured, const Take& guess, int spread
       guess_(guess),
       spread_(spread),
       centres_(Points::Zero(measured.markers(), 3)),
-      deviations_(Eigen::VectorXd::Zero(measured.markers())) {
+      deviations_(Eigen::VectorXd::Zero(measured.markers())),
+      jitters_(Eigen::VectorXd::Zero(measured.markers())) {
   const int step = std::max(1, measured.frames() / 2000);
   tbb::parallel_for(0, measured.markers(), [&](int m) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
@@ -86,6 +104,7 @@ GapRegression::GapRegression(const Take& measured, const Take& guess, int spread
       if (measured.has(f, m)) squares += (measured.at(f, m).transpose() - centres_.row(m)).squaredNorm();
     }
     deviations_(m) = std::sqrt(squares / n);
+    jitters_(m) = jitter(measured, m, step);
   });
 }
 
@@ -168,7 +187,7 @@ std::optional<Guess> GapRegression::fill(const TakeView& view, const Gap& gap, c
   const Eigen::RowVector3d mean = y.colwise().mean();
   y.rowwise() -= mean;
   const double deviation = std::max(0.05, std::sqrt(y.rowwise().squaredNorm().mean() / 3.0));
-  const double noise = kernel.noise / deviation;
+  const double noise = kernel.noise * jitters_(gap.marker) / deviation;
 
   Eigen::MatrixXd k = covariances(prepared, Part::lower, z, known, z, known);
   k.diagonal().array() += noise * noise + 1e-9;
@@ -187,45 +206,57 @@ std::optional<Guess> GapRegression::fill(const TakeView& view, const Gap& gap, c
   return guess;
 }
 
-RegressionKernel GapRegression::fitted(const RigidGroups& groups, std::uint64_t seed) const {
+/// Mean error over the trials' samples, summed over trials that could be filled, mm.
+double GapRegression::error_on(const std::vector<GapTrial>& trials, const RegressionKernel& kernel) const {
+  const PreparedKernel tabulated = prepared(kernel);
+  std::vector<double> errors(trials.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+    const Gap& gap = trials[i].gap;
+    const auto guess = fill({measured_, trials[i].hidden}, gap, tabulated);
+    if (!guess) return;
+    for (int f = gap.first; f <= gap.last; ++f) {
+      const Eigen::Vector3d place = guess->places.row(f - gap.first).transpose();
+      errors[i] += (place - measured_.at(f, gap.marker)).norm() / gap.frames();
+    }
+  });
+  return std::accumulate(errors.begin(), errors.end(), 0.0);
+}
+
+RegressionKernel GapRegression::fitted(const RigidGroups& groups, int length, std::uint64_t seed) const {
   constexpr int trial_count = 24;
-  const int length = std::max(2, static_cast<int>(0.5 * measured_.rate_hz));
   const std::vector<GapTrial> trials = cut_trials(measured_, groups, length, false, trial_count, seed);
-  const auto mean_error = [&](const RegressionKernel& candidate) {
-    const PreparedKernel kernel = prepared(candidate);
-    std::vector<double> errors(trials.size(), 0.0);
-    tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
-      const auto guess = fill({measured_, trials[i].hidden}, trials[i].gap, kernel);
-      if (!guess) return;
-      for (int f = trials[i].gap.first; f <= trials[i].gap.last; ++f) {
-        const Eigen::Vector3d place = guess->places.row(f - trials[i].gap.first).transpose();
-        errors[i] += (place - measured_.at(f, trials[i].gap.marker)).norm() / trials[i].gap.frames();
-      }
-    });
-    return std::accumulate(errors.begin(), errors.end(), 0.0);
-  };
   RegressionKernel best;
-  double least = mean_error(best);
-  const auto consider = [&](double RegressionKernel::*member, std::initializer_list<double> values) {
-    RegressionKernel candidate = best;
-    for (const double value : values) {
-      candidate.*member = value;
-      const double error = mean_error(candidate);
-      // A small gain on a few trials is chance.
-      if (error < 0.985 * least) {
-        least = error;
-        best = candidate;
-      }
+  if (trials.empty()) return best;
+  double least = error_on(trials, best);
+  const auto consider = [&](const RegressionKernel& candidate) {
+    const double error = error_on(trials, candidate);
+    // A small gain on a few trials is chance.
+    if (error < 0.985 * least) {
+      least = error;
+      best = candidate;
     }
   };
-  if (trials.empty()) return best;
-  consider(&RegressionKernel::noise, {0.003, 0.03, 0.1, 0.2});
-  consider(&RegressionKernel::similar_length, {0.35, 0.8, 1.5});
-  consider(&RegressionKernel::similar, {1.0});
-  consider(&RegressionKernel::linear, {1.0, 8.0});
-  consider(&RegressionKernel::reach, {20.0, 80.0});
-  consider(&RegressionKernel::smooth_seconds, {0.06, 0.2});
-  consider(&RegressionKernel::smooth, {0.06, 0.6});
+  RegressionKernel gentle, close, lively;
+  gentle.similar_length = 1.5;
+  gentle.similar_seconds = 2.0;
+  gentle.smooth_seconds = 0.2;
+  close.similar = 3.0;
+  close.similar_length = 0.5;
+  close.similar_seconds = 5.0;
+  lively = close;
+  lively.liveliness = 0.2;
+  lively.smooth = 1.5;
+  for (const RegressionKernel& candidate : {gentle, close, lively}) consider(candidate);
+  const RegressionKernel chosen = best;
+  const auto vary = [&](double RegressionKernel::*member, double factor) {
+    RegressionKernel candidate = best;
+    candidate.*member = factor * chosen.*member;
+    consider(candidate);
+  };
+  vary(&RegressionKernel::noise, 0.1);
+  vary(&RegressionKernel::noise, 4.0);
+  vary(&RegressionKernel::linear, 0.4);
+  vary(&RegressionKernel::linear, 2.0);
   return best;
 }
 

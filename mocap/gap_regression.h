@@ -6,6 +6,7 @@
 
 #include "core/mesh.h"
 #include "mocap/gap_methods.h"
+#include "mocap/gap_trials.h"
 #include "mocap/take_view.h"
 
 namespace vultus::mocap {
@@ -16,12 +17,12 @@ struct RegressionKernel {
   double reach = 40.0;           ///< mm; weight of an input marker falls by e over this distance
   double liveliness = 0.6;       ///< inputs are divided by this power of their own deviation, 0…1
   double linear = 3.0;           ///< deviation of the part linear in z
-  double similar = 3.0;          ///< deviation of the part that depends on |z - z'| (rational quadratic)
-  double similar_length = 0.5;   ///< its length in z
-  double similar_seconds = 3.0;  ///< and in time (Matérn 5/2)
-  double smooth = 0.2;           ///< deviation of the part that is only smooth in time
-  double smooth_seconds = 0.1;   ///< its time (Matérn 5/2)
-  double noise = 0.01;           ///< mm, white
+  double similar = 5.0;          ///< deviation of the part that depends on |z - z'| (rational quadratic)
+  double similar_length = 0.8;   ///< its length in z
+  double similar_seconds = 8.0;  ///< and in time (Matérn 5/2)
+  double smooth = 0.6;           ///< deviation of the part that is only smooth in time
+  double smooth_seconds = 0.3;   ///< its time (Matérn 5/2)
+  double noise = 1.0;            ///< white, times the marker's own jitter
 };
 
 /// A kernel with its parts in time tabulated by the distance in frames.
@@ -45,10 +46,11 @@ class GapRegression {
 
   PreparedKernel prepared(const RegressionKernel& kernel) const;
 
-  /// The kernel among a few dozen that does best on gaps cut into the take's visible samples.
-  RegressionKernel fitted(const RigidGroups& groups, std::uint64_t seed) const;
+  /// The kernel among several that does best on gaps of `length` frames cut into the take's visible samples.
+  RegressionKernel fitted(const RigidGroups& groups, int length, std::uint64_t seed) const;
 
  private:
+  double error_on(const std::vector<GapTrial>& trials, const RegressionKernel& kernel) const;
   std::vector<int> inputs_for(const TakeView& view, const Gap& gap) const;
   std::vector<int> frames_for(const TakeView& view, const Gap& gap, const std::vector<int>& inputs) const;
 
@@ -56,6 +58,7 @@ class GapRegression {
   int spread_;
   Points centres_;              // markers×3, mean positions, mm
   Eigen::VectorXd deviations_;  // markers, mm
+  Eigen::VectorXd jitters_;     // markers, mm, white noise of a coordinate
 };
 
 }  // namespace vultus::mocap

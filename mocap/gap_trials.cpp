@@ -28,7 +28,8 @@ std::optional<GapTrial> cut(const Take& take, const RigidGroups& groups, int len
     trial.edge = edge;
     trial.hidden.push_back({marker, edge ? 0 : first, first + length - 1});
     const auto& neighbours = groups.of(marker);
-    const auto near = std::min<std::size_t>(neighbours.size(), static_cast<std::size_t>(random.below(4)));
+    const auto near = std::min<std::size_t>(neighbours.size(), static_cast<std::size_t>(random.below(kTrialCrowd + 1)));
+    trial.crowd = static_cast<int>(near);
     for (std::size_t i = 0; i < near; ++i) trial.hidden.push_back({neighbours[i].marker, first, first + length - 1});
     return trial;
   }

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -17,7 +18,7 @@ namespace vultus::mocap {
 namespace {
 
 constexpr int kLongestTrial = 1024;       // frames; errors of longer gaps grow from there
-constexpr int kRegressionTrials = 48;     // of each length: regression costs some milliseconds a gap
+constexpr int kRegressionTrials = 80;     // of each length: regression costs some milliseconds a gap
 constexpr int kManyGaps = 4000;           // above this, short gaps are left to splines for speed
 constexpr double kWorthRegression = 0.8;  // of the spline's error
 
@@ -62,19 +63,21 @@ class Methods {
     }
     longest = std::min({longest, kLongestTrial, std::max(1, take.frames() / 2)});
     window_ = best_spline_window(take, groups_, longest_spline_, options.seed);
-    spline_errors_ = errors([this](const TakeView& v, const Gap& g) { return spline(v, g); },
-                            std::max(1, longest_spline_), options.trials, 2, 0);
-    group_errors_ =
-        errors([this](const TakeView& v, const Gap& g) { return rigid_group(v, g); }, longest, options.trials, 2, 1);
+    spline_errors_ = errors(
+        gaps, [this](const TakeView& v, const Gap& g) { return spline(v, g); }, std::max(1, longest_spline_),
+        options.trials, 2, 0);
+    group_errors_ = errors(
+        gaps, [this](const TakeView& v, const Gap& g) { return rigid_group(v, g); }, longest, options.trials, 2, 1);
     const bool few = gaps.size() <= kManyGaps;
     const bool wanted = options.method == GapMethod::low_rank || options.method == GapMethod::automatic;
     if (!wanted || (others == 0 && !few)) return;
     first_pass(gaps);
     // Cost grows with the cube of the frames used: spend what the number of gaps allows.
     regression_ = std::make_unique<GapRegression>(take, guess_, std::clamp(400000 / std::max(1, others), 60, 160));
-    kernel_ = regression_->prepared(regression_->fitted(groups_, options.seed));
-    regression_errors_ = errors([this](const TakeView& v, const Gap& g) { return low_rank(v, g); }, longest,
-                                std::min(options.trials, kRegressionTrials), 3, 2);
+    fit_kernels(gaps);
+    regression_errors_ = errors(
+        gaps, [this](const TakeView& v, const Gap& g) { return low_rank(v, g); }, longest,
+        std::min(options.trials, kRegressionTrials), 3, 2);
     short_by_regression_ = few;
   }
 
@@ -114,9 +117,9 @@ class Methods {
  private:
   bool is_short(const Gap& gap) const { return gap.frames() <= longest_spline_ && !at_edge(take_, gap); }
 
-  std::unique_ptr<GapErrors> errors(const GapErrors::Method& method, int longest, int trials, int growth,
-                                    std::uint64_t offset) const {
-    return std::make_unique<GapErrors>(take_, groups_, method, longest, trials, growth, options_.seed + offset);
+  std::unique_ptr<GapErrors> errors(const std::vector<Gap>& gaps, const GapErrors::Method& method, int longest,
+                                    int trials, int growth, std::uint64_t offset) const {
+    return std::make_unique<GapErrors>(take_, groups_, gaps, method, longest, trials, growth, options_.seed + offset);
   }
 
   std::optional<Guess> spline(const TakeView& view, const Gap& gap) const {
@@ -130,7 +133,25 @@ class Methods {
   }
 
   std::optional<Guess> low_rank(const TakeView& view, const Gap& gap) const {
-    return regression_->fill(view, gap, kernel_);
+    return regression_->fill(view, gap, kernels_[kernel_class(gap)]);
+  }
+
+  /// What predicts best differs with how far the gap's ends are away.
+  std::size_t kernel_class(const Gap& gap) const {
+    const double seconds = gap.frames() / take_.rate_hz;
+    return seconds < 0.25 ? 0 : (seconds < 1.0 ? 1 : 2);
+  }
+
+  /// A kernel for each class of lengths; classes without gaps are not worth the trials.
+  void fit_kernels(const std::vector<Gap>& gaps) {
+    constexpr std::array<double, 3> seconds{0.1, 0.5, 1.5};
+    std::array<bool, 3> occurs{};
+    for (const Gap& gap : gaps) occurs[kernel_class(gap)] = true;
+    for (std::size_t k = 0; k < seconds.size(); ++k) {
+      const int length = std::max(2, static_cast<int>(seconds[k] * take_.rate_hz));
+      kernels_[k] =
+          regression_->prepared(occurs[k] ? regression_->fitted(groups_, length, options_.seed) : RegressionKernel{});
+    }
   }
 
   /// All gaps filled without regard to errors: inputs for the regression.
@@ -153,7 +174,7 @@ class Methods {
   bool short_by_regression_ = false;
   Take guess_;
   std::unique_ptr<GapRegression> regression_;
-  PreparedKernel kernel_;
+  std::array<PreparedKernel, 3> kernels_;
   std::unique_ptr<GapErrors> spline_errors_, group_errors_, regression_errors_;
 };
 
