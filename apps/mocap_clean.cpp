@@ -9,7 +9,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  fs::path take, out, samples;
+  fs::path take, out, samples, labels, labels_from;
+  bool keep_labels = false, no_slips = false;
   mocap::ReadOptions reading;
   mocap::CleanOptions options;
 };
@@ -18,14 +19,25 @@ ExitCode clean(const Arguments& arguments, Run& run) {
   run.input(arguments.take);
   mocap::CleanOptions options = arguments.options;
   options.gaps.seed = run.seed();
+  options.repair_labels = !arguments.keep_labels;
+  options.head.find_slips = !arguments.no_slips;
+  if (!arguments.labels_from.empty()) {
+    run.input(arguments.labels_from);
+    options.label_edits = mocap::read_edits(arguments.labels_from);
+  }
   const mocap::Take raw = mocap::read_take(arguments.take, arguments.reading);
   const mocap::Cleaned cleaned = mocap::clean(raw, options, run.progress());
   for (const std::string& line : cleaned.report.decisions) run.progress().note(line);
   mocap::write_take(arguments.out, cleaned.take);
   if (!arguments.samples.empty()) mocap::write_samples(arguments.samples, cleaned.report);
-  run.numbers() = {{"frames", cleaned.take.frames()},           {"markers", cleaned.take.markers()},
-                   {"gaps", cleaned.report.gaps.size()},        {"spikes", cleaned.report.spikes.size()},
-                   {"head_method", cleaned.report.head_method}, {"head_rms_mm", cleaned.report.head_rms}};
+  if (!arguments.labels.empty()) mocap::write_edits(arguments.labels, cleaned.label_edits);
+  run.numbers() = {{"frames", cleaned.take.frames()},
+                   {"markers", cleaned.take.markers()},
+                   {"label_edits", cleaned.label_edits.edits.size()},
+                   {"gaps", cleaned.report.gaps.size()},
+                   {"spikes", cleaned.report.spikes.size()},
+                   {"head_method", cleaned.report.head_method},
+                   {"head_rms_mm", cleaned.report.head_rms}};
   run.print(arguments.out.string());
   return ExitCode::ok;
 }
@@ -40,6 +52,16 @@ void add_mocap_clean(CommandTable& table) {
   app.add_option("TAKE", arguments->take, "C3D, TRC or CSV")->required()->type_name("FILE");
   app.add_option("--out", arguments->out, "C3D or TRC to write")->required()->type_name("FILE");
   app.add_option("--samples", arguments->samples, "Write how each filled sample came to be")->type_name("FILE.json");
+  CLI::Option* labels =
+      app.add_option("--labels", arguments->labels, "Write every change of labels")->type_name("FILE.json");
+  CLI::Option* from = app.add_option("--labels-from", arguments->labels_from,
+                                     "Such a list, looked through by hand (\"applied\": false refuses a change): "
+                                     "applied instead of a search")
+                          ->type_name("FILE.json");
+  app.add_flag("--keep-labels", arguments->keep_labels, "Swaps, fragments and phantoms are left as they are")
+      ->excludes(labels)
+      ->excludes(from);
+  app.add_flag("--no-slips", arguments->no_slips, "Jig markers are taken to stay where they are on the head");
   app.add_option("--jig", arguments->options.head.jig,
                  "Labels of the head's markers (default: those that look like a jig's)")
       ->type_name("LABEL…");

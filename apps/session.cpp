@@ -55,6 +55,8 @@ void add_session(CommandTable& table) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--regions", options->regions, "Divide the face into so many regions (default: the actor's own)")
       ->check(CLI::Range(1, 64));
+  app.add_flag("--keep-labels", options->keep_labels,
+               "Swaps, fragments and phantoms are left as they are (default: repaired, listed in labels.json)");
   add_choice(app, "--solver", options->solver, "qp: weights for each region; global: one set for the face",
              {"qp", "global"});
   app.add_option("--smoothing", options->smoothing, "Gaussian over time on the weights, deviation in seconds (0: none)")

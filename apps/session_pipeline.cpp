@@ -81,6 +81,7 @@ class Session {
     std::vector<SessionTake> takes = all_takes(options_);
     mocap::CleanOptions cleaning;
     cleaning.gaps.seed = options_.seed;
+    cleaning.repair_labels = !options_.keep_labels;
     clean_takes(takes, cleaning, manifest_, progress_);
     provenance_ = {"session", options_json(options_), shared_inputs(options_, takes, manifest_)};
     const std::vector<SessionTake> performed = performances(takes, options_);

@@ -20,6 +20,7 @@ struct SessionOptions {
   int neutral_frame = -1;     ///< of the first take, without a training take; -1: found
   std::string solver = "qp";  ///< "qp": by region (Liu eq. 2), "global": one set of weights (eq. 1)
   double smoothing = 0.0;     ///< of the weights over time, s (Liu §7)
+  bool keep_labels = false;   ///< swaps, fragments and phantoms are left as they are
   std::uint64_t seed = 1;
   bool force = false;
 };

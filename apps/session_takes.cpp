@@ -13,7 +13,14 @@ namespace fs = std::filesystem;
 nlohmann::json options_json(const mocap::CleanOptions& options) {
   return {{"head", static_cast<int>(options.head.method)},   {"jig", options.head.jig},
           {"reference_frame", options.head.reference_frame}, {"smoothing", static_cast<int>(options.filter.smoothing)},
-          {"cutoff_hz", options.filter.cutoff_hz},           {"seed", options.gaps.seed}};
+          {"cutoff_hz", options.filter.cutoff_hz},           {"seed", options.gaps.seed},
+          {"repair_labels", options.repair_labels}};
+}
+
+// Changes of labels that somebody has looked through lie beside the take; empty where there are none.
+fs::path label_list(const fs::path& take) {
+  const fs::path list = fs::path(take).replace_extension(".labels.json");
+  return fs::exists(list) ? list : fs::path();
 }
 
 class TakeCleaner {
@@ -27,17 +34,22 @@ class TakeCleaner {
 
   /// True when the take's files were already there.
   bool clean(SessionTake& take) {
-    const Provenance provenance{
+    Provenance provenance{
         "session", options_json(options_), {{"take", sha256_of_file(take.file)}, {"head", first_hash_}}};
+    for (const auto& [name, file] :
+         {std::pair{"labels", label_list(take.file)}, {"head's labels", label_list(first_.file)}})
+      if (!file.empty()) provenance.inputs[name] = sha256_of_file(file);
     const std::string clean_file = take_artefact(take.name, "clean.c3d"),
-                      samples = take_artefact(take.name, "samples.json");
-    const bool current = session_.is_current(clean_file, provenance) && session_.is_current(samples, provenance);
+                      samples = take_artefact(take.name, "samples.json"),
+                      labels = take_artefact(take.name, "labels.json");
+    const bool current = session_.is_current(clean_file, provenance) && session_.is_current(samples, provenance) &&
+                         session_.is_current(labels, provenance);
     if (!current) {
       const mocap::Cleaned cleaned = cleaned_take(take.file);
       mocap::write_take(session_.folder() / clean_file, cleaned.take);
       mocap::write_samples(session_.folder() / samples, cleaned.report);
-      session_.record(clean_file, provenance);
-      session_.record(samples, provenance);
+      mocap::write_edits(session_.folder() / labels, cleaned.label_edits);
+      for (const std::string& name : {clean_file, samples, labels}) session_.record(name, provenance);
       session_.save();
     }
     // Read back even when just written, so that a run cut short and continued gives the same bytes.
@@ -59,6 +71,7 @@ class TakeCleaner {
     mocap::CleanOptions options = options_;
     options.head.body = body_;
     try {
+      if (options.repair_labels && !label_list(file).empty()) options.label_edits = mocap::read_edits(label_list(file));
       return mocap::clean(mocap::read_take(file), options, progress_);
     } catch (const InputError& error) {
       const std::string message = error.what();

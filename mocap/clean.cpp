@@ -35,7 +35,7 @@ std::vector<double> missing_shares(const Take& take) {
   return shares;
 }
 
-CleanReport report_of(const Take& raw, const Stabilized& head) {
+CleanReport report_of(const Take& raw, const std::vector<std::string>& labelling, const Stabilized& head) {
   CleanReport report;
   report.take = raw.name;
   report.rate_hz = raw.rate_hz;
@@ -48,13 +48,25 @@ CleanReport report_of(const Take& raw, const Stabilized& head) {
                                                                           : std::numeric_limits<double>::quiet_NaN());
   }
   report.decisions = raw.decisions;
+  append(report.decisions, labelling);
   append(report.decisions, head.decisions);
   return report;
+}
+
+/// The raw take under the right labels, by the list in the options or by search.
+Relabelled labelled(const Take& raw, const CleanOptions& options) {
+  if (!options.label_edits) return repair_labels(raw, options.labels);
+  Relabelled result;
+  result.edits = *options.label_edits;
+  result.take = apply_edits(raw, result.edits);
+  result.decisions.push_back("labels: " + std::to_string(result.edits.edits.size()) + " changes by the given list");
+  return result;
 }
 
 }  // namespace
 
 void CleanOptions::validate() const {
+  labels.validate();
   head.validate();
   spikes.validate();
   gaps.validate();
@@ -63,11 +75,17 @@ void CleanOptions::validate() const {
 
 Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) {
   options.validate();
-  progress.begin("mocap " + raw.name, 4);
-  Stabilized head = stabilize(raw, options.head);
+  progress.begin("mocap " + raw.name, 5);
+  Relabelled repaired;
+  const bool relabel = options.repair_labels || options.label_edits;
+  if (relabel) repaired = labelled(raw, options);
   progress.advance();
   progress.check();
-  CleanReport report = report_of(raw, head);
+  Stabilized head = stabilize(relabel ? repaired.take : raw, options.head);
+  repaired.take = {};
+  progress.advance();
+  progress.check();
+  CleanReport report = report_of(raw, repaired.decisions, head);
   Take steady = std::move(head.take);
   if (options.remove_spikes) {
     report.spikes = find_spikes(steady, options.spikes);
@@ -91,7 +109,7 @@ Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) 
   report.gaps = std::move(filled.gaps);
   report.origins = std::move(filled.origins);
   report.expected_errors = std::move(filled.expected_errors);
-  return {std::move(take), std::move(head.body), std::move(head.poses), std::move(report)};
+  return {std::move(take), std::move(head.body), std::move(head.poses), std::move(report), std::move(repaired.edits)};
 }
 
 }  // namespace vultus::mocap

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/progress.h"
 #include "mocap/filter.h"
 #include "mocap/gaps.h"
+#include "mocap/labels.h"
 #include "mocap/local_frames.h"
 #include "mocap/spikes.h"
 #include "mocap/stabilize.h"
@@ -14,6 +16,9 @@
 namespace vultus::mocap {
 
 struct CleanOptions {
+  LabelOptions labels;
+  bool repair_labels = true;
+  std::optional<LabelEdits> label_edits;  ///< a list that was looked through by hand: it is applied, nothing is sought
   StabilizeOptions head;
   SpikeOptions spikes;
   FillOptions gaps;
@@ -45,10 +50,11 @@ struct Cleaned {
   RigidBody body;               ///< hand it to the other takes of the session, so that all share head coordinates
   std::vector<HeadPose> poses;  ///< one a frame
   CleanReport report;
+  LabelEdits label_edits;  ///< what was done to the labels of the raw take; undone by `undo_edits`
 };
 
-/// The chain of DESIGN §3.4: head motion out, spikes out, gaps filled, never-captured markers added, smoothed.
-/// Deterministic. Throws `InputError`, `Cancelled`.
+/// The chain of DESIGN §3.4: labels repaired, head motion out, spikes out, gaps filled, never-captured markers added,
+/// smoothed. Deterministic. Throws `InputError`, `Cancelled`.
 Cleaned clean(const Take& raw, const CleanOptions& options = {}, Progress& progress = Progress::none());
 
 /// samples.json: the report, the origin of every sample that was not measured in run-length form.

@@ -102,7 +102,7 @@ Json json_of(const LabelEdit& edit) {
                {"frames", {edit.first(), edit.last()}},
                {"score", edit.score},
                {"why", edit.why},
-               {"apply", edit.applied}};
+               {"applied", edit.applied}};
   for (const LabelMove& move : edit.moves) {
     json["moves"].push_back({{"frames", {move.first, move.last}},
                              {"from", move.from},
@@ -124,7 +124,7 @@ LabelEdit edit_of(const Json& json) {
   if (!known) throw Error("unknown kind \"" + kind + "\"; there are swap, moved, fragment and phantom");
   edit.score = json.value("score", 1.0);
   edit.why = json.value("why", std::string());
-  edit.applied = json.value("apply", true);
+  edit.applied = json.value("applied", true);
   for (const Json& move : json.at("moves")) {
     const auto frames = move.at("frames").get<std::vector<int>>();
     if (frames.size() != 2) throw Error("\"frames\" must be [first, last]");

@@ -18,7 +18,8 @@ namespace vultus::mocap {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr int kPasses = 4;  // a repaired neighbour places the others better
+constexpr double kSpikeSeconds = 0.02;  // what is shorter is left to find_spikes
+constexpr int kPasses = 4;              // a repaired neighbour places the others better
 
 /// Frames that a label is taken in.
 class Occupied {
@@ -143,11 +144,13 @@ class Repair {
     return changed;
   }
 
-  /// A stretch under a label that its marker cannot have made: short, far from where the neighbours put the marker, and
-  /// from where its own past and future put it.
+  /// A stretch under a label that its marker cannot have made: far from where the neighbours put the marker, and from
+  /// where its own past and future put it. A loose jig or a face unlike all others would last longer, a spike less
+  /// long.
   bool is_phantom(const LabelledTracklet& t) const {
     const double limit = std::max(options_.phantom_mm, 2.0 * usual(t.label));
-    return t.span.frames() < 2.0 * evidence_.rate_hz() && t.misfit > limit &&
+    const double seconds = t.span.frames() / evidence_.rate_hz();
+    return seconds < 2.0 && seconds > kSpikeSeconds && t.misfit > limit &&
            evidence_.informed_misfit(t.span, t.label) > limit;
   }
 

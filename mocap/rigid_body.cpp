@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,6 +80,32 @@ Eigen::VectorXd biweights(const Eigen::VectorXd& residuals) {
   return (u < 1.0).select((1.0 - u.square()).square(), 0.0);
 }
 
+/// Rows of a point's small motion by turn (radians) and shift.
+Eigen::Matrix<double, 3, 6> motion_of(const Eigen::Vector3d& p) {
+  Eigen::Matrix<double, 3, 6> moved;
+  moved << 0, p.z(), -p.y(), 1, 0, 0, -p.z(), 0, p.x(), 0, 1, 0, p.y(), -p.x(), 0, 0, 0, 1;
+  return moved;
+}
+
+/// Expected RMS error over all markers of the body: the pose's covariance by linear propagation.
+double expected_error(const RigidBody& body, const Seen& seen, const Eigen::VectorXd& weights) {
+  const Eigen::Vector3d middle = seen.body.colwise().mean();
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero(), metric = information;
+  for (Eigen::Index i = 0; i < seen.body.rows(); ++i) {
+    const auto moved = motion_of(Eigen::Vector3d(seen.body.row(i)) - middle);
+    information += weights[i] * moved.transpose() * moved;
+  }
+  int rows = 0;
+  for (Eigen::Index m = 0; m < body.positions.rows(); ++m) {
+    if (!body.positions.row(m).allFinite()) continue;
+    const auto moved = motion_of(Eigen::Vector3d(body.positions.row(m)) - middle);
+    metric += moved.transpose() * moved;
+    ++rows;
+  }
+  const Eigen::Matrix<double, 6, 6> spread = information.ldlt().solve(metric);
+  return std::sqrt(std::max(0.0, spread.trace() / rows));
+}
+
 /// Median place of one marker over the frames, in head coordinates, and how far it strays from there.
 void settle_marker(const std::vector<Points>& in_head, Eigen::Index row, RigidBody& body) {
   std::vector<double> values;
@@ -131,6 +158,7 @@ std::optional<HeadPose> fit_body(const RigidBody& body, const Points& observed) 
   pose.world_from_head = *fit;
   pose.rms = std::sqrt(robust.dot(squares) / robust.sum());
   pose.markers = static_cast<int>((robust.array() > 0.0).count());
+  pose.deviation = expected_error(body, seen, base.cwiseProduct(robust));
   return pose;
 }
 

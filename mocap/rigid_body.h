@@ -22,8 +22,9 @@ struct RigidBody {
 struct HeadPose {
   enum class Kind { measured, interpolated, none } kind = Kind::none;
   Similarity world_from_head;
-  double rms = 0.0;  ///< of the markers in use, mm
-  int markers = 0;   ///< in use
+  double rms = 0.0;        ///< of the markers in use, mm
+  int markers = 0;         ///< in use
+  double deviation = 0.0;  ///< mm RMS at the body's markers that the deviations of those in use let expect
 };
 
 /// Rigid motion world ← head from the rows of `observed` (body markers×3, NaN where missing): least squares weighted by

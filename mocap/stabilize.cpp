@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "mocap/head_smoothing.h"
 #include "mocap/statistics.h"
 #include "mocap/steady_markers.h"
 
@@ -72,6 +73,18 @@ RigidBody rigid_part(const RigidBody& body, std::vector<std::string>& decisions)
   return result;
 }
 
+/// The columns of `labels` alone.
+Take only(const Take& take, const std::vector<std::string>& labels) {
+  Take result = Take::empty(take.name, take.rate_hz, labels, take.frames());
+  const std::vector<int> columns = columns_of(take, labels);
+  for (int f = 0; f < take.frames(); ++f) {
+    for (std::size_t m = 0; m < labels.size(); ++m) {
+      if (columns[m] >= 0 && take.has(f, columns[m])) result.set(f, static_cast<int>(m), take.at(f, columns[m]));
+    }
+  }
+  return result;
+}
+
 HeadMethod decide(const StabilizeOptions& options, std::vector<std::string>& jig, std::vector<std::string>& decisions) {
   if (options.body && options.method == HeadMethod::automatic) {
     const bool of_jig = jig_labels(options.body->labels).size() == options.body->labels.size();
@@ -123,6 +136,126 @@ std::vector<HeadPose> robust_poses(const Take& take, const RigidBody& body) {
   });
   return poses;
 }
+
+const std::string kMoved = " (moved)";  // a slipped marker at its new place
+
+bool is_moved(const std::string& label) { return label.ends_with(kMoved); }
+
+/// Median place on the body of a column that the poses do not rest on.
+Eigen::RowVector3d place_on_body(const Take& take, const std::string& label, const std::vector<HeadPose>& poses) {
+  const int column = take.find(label);
+  std::vector<double> values[3];
+  for (int f = 0; f < take.frames(); ++f) {
+    const HeadPose& pose = poses[static_cast<std::size_t>(f)];
+    if (!take.has(f, column) || pose.kind != HeadPose::Kind::measured) continue;
+    const Eigen::Vector3d at = pose.world_from_head.inverse() * take.at(f, column);
+    for (int c = 0; c < 3; ++c) values[c].push_back(at[c]);
+  }
+  return {quantile(std::move(values[0]), 0.5), quantile(std::move(values[1]), 0.5),
+          quantile(std::move(values[2]), 0.5)};
+}
+
+/// The jig of one take, from which slipped markers are taken out one by one, the largest slip first: a loose marker
+/// pulls the poses, which makes the others seem to move. Three markers always stay.
+class Jig {
+ public:
+  Jig(const Take& take, const std::vector<std::string>& labels, const StabilizeOptions& options, Stabilized& result)
+      : options_(options), result_(result), known_(options.body) {
+    seen_ = only(take, known_ ? known_->labels : labels);
+    firm_ = seen_.labels.size();
+  }
+
+  /// Fills `result.body`, without the rows that hold for a part of this take only.
+  std::vector<HeadPose> poses() {
+    while (true) {
+      measure();
+      std::vector<JigSlip> slips;
+      if (options_.find_slips) slips = find_slips(seen_, body_, poses_, known_.has_value(), options_.slips);
+      if (slips.empty()) break;
+      const JigSlip largest = *std::max_element(slips.begin(), slips.end(),
+                                                [](const auto& a, const auto& b) { return a.distance < b.distance; });
+      if (!take_out(largest)) break;
+    }
+    const std::size_t rows = body_.labels.size();
+    body_ = known_ ? body_ : rigid_part(body_, result_.decisions);
+    if (body_.labels.size() != rows) poses_ = robust_poses(seen_, body_);
+    result_.body = lasting();
+    return std::move(poses_);
+  }
+
+ private:
+  void measure() {
+    body_ = known_ ? *known_ : jig_body(seen_, seen_.labels, result_.reference_frame);
+    poses_ = robust_poses(seen_, body_);
+  }
+
+  /// False when the jig cannot do without the marker.
+  bool take_out(const JigSlip& slip) {
+    const std::string what =
+        "head: jig marker " + slip.label + " slips by " + with_digits(slip.distance) + " mm at " + when(slip.frame);
+    const bool rests = options_.reuse_slipped && !is_moved(slip.label) && slip.settled >= 0 &&
+                       seen_.frames() - slip.settled > 0.5 * seen_.rate_hz;
+    if (!rests && firm_ <= 3) {
+      result_.decisions.push_back(what + ", but the others are too few to do without it");
+      return false;
+    }
+    const Take before = seen_;
+    seen_ = without_slipped(seen_, {slip});
+    if (rests) {
+      measure();  // without the marker, so that its new place is seen from the others
+      measure_anew(before, slip);
+      result_.decisions.push_back(what + "; it is left out until it rests at its new place, at " + when(slip.settled));
+    } else {
+      --firm_;
+      result_.decisions.push_back(what + " and is left out from there");
+    }
+    if (!is_moved(slip.label)) result_.slips.push_back(slip);
+    return true;
+  }
+
+  void measure_anew(const Take& before, const JigSlip& slip) {
+    std::vector<std::string> labels = seen_.labels;
+    labels.push_back(slip.label + kMoved);
+    seen_ = only(seen_, labels);
+    const int from = before.find(slip.label), to = seen_.markers() - 1;
+    for (int f = slip.settled; f < before.frames(); ++f)
+      if (before.has(f, from)) seen_.set(f, to, before.at(f, from));
+    if (!known_) return;
+    const Eigen::Index rows = known_->positions.rows();
+    known_->labels.push_back(labels.back());
+    known_->positions.conservativeResize(rows + 1, 3);
+    known_->positions.row(rows) = place_on_body(seen_, labels.back(), poses_);
+    known_->deviations.conservativeResize(rows + 1);
+    known_->deviations[rows] = quantile(Eigen::VectorXd(known_->deviations.head(rows)), 0.5);
+  }
+
+  RigidBody lasting() const {
+    std::vector<int> rows;
+    RigidBody result;
+    for (std::size_t m = 0; m < body_.labels.size(); ++m) {
+      if (is_moved(body_.labels[m])) continue;
+      rows.push_back(static_cast<int>(m));
+      result.labels.push_back(body_.labels[m]);
+    }
+    result.positions = body_.positions(rows, Eigen::all);
+    result.deviations = body_.deviations(rows);
+    return result;
+  }
+
+  std::string when(int frame) const {
+    char text[64];
+    std::snprintf(text, sizeof text, "frame %d (%.2f s)", frame, frame / seen_.rate_hz);
+    return text;
+  }
+
+  const StabilizeOptions& options_;
+  Stabilized& result_;
+  std::optional<RigidBody> known_;
+  Take seen_;
+  RigidBody body_;
+  std::vector<HeadPose> poses_;
+  std::size_t firm_ = 0;  // markers that hold to the end
+};
 
 /// Rotation by shortest arc, translation straight, over gaps of at most `longest` frames with a pose on both sides.
 void interpolate(std::vector<HeadPose>& poses, int longest) {
@@ -213,9 +346,42 @@ void report(Stabilized& result) {
   if (none > 0) result.decisions.push_back("head: " + std::to_string(none) + " frames without a pose are holes");
 }
 
+/// The body that stands for the head and its poses, by `result.method`; settles the reference frame where it is open.
+std::vector<HeadPose> head_poses(const Take& take, const std::vector<std::string>& jig, const StabilizeOptions& options,
+                                 Stabilized& result) {
+  int& reference = result.reference_frame;
+  if (options.body && reference < 0) reference = central_frame(take, columns_of(take, options.body->labels));
+  if (result.method == HeadMethod::jig) {
+    if (!options.body && jig.size() < 3) {
+      throw InputError("take '" + take.name + "' has no jig of 3 or more markers; name them");
+    }
+    std::vector<HeadPose> poses = Jig(take, jig, options, result).poses();
+    std::stable_sort(result.slips.begin(), result.slips.end(),
+                     [](const JigSlip& a, const JigSlip& b) { return a.frame < b.frame; });
+    return poses;
+  }
+  if (options.body) {
+    result.body = *options.body;
+  } else if (result.method == HeadMethod::steady_face) {
+    std::vector<int> all(static_cast<std::size_t>(take.markers()));
+    for (int m = 0; m < take.markers(); ++m) all[static_cast<std::size_t>(m)] = m;
+    if (reference < 0) reference = central_frame(take, all);
+    result.body = find_steady_markers(take, reference);
+  } else {
+    if (jig.size() < 3) throw InputError("take '" + take.name + "': the three-point method needs three jig markers");
+    const std::vector<std::string> three(jig.begin(), jig.begin() + 3);
+    if (reference < 0) reference = central_frame(take, columns_of(take, three));
+    result.body = {three, observed_rows(take, reference, columns_of(take, three)),
+                   Eigen::VectorXd::Constant(3, kStartDeviation)};
+  }
+  return result.method == HeadMethod::three_point ? three_point_poses(take, result.body)
+                                                  : robust_poses(take, result.body);
+}
+
 }  // namespace
 
 void StabilizeOptions::validate() const {
+  slips.validate();
   if (!jig.empty() && jig.size() < 3) throw UsageError("a jig needs 3 or more markers");
   if (!(interpolate_seconds >= 0.0)) throw UsageError("interpolate_seconds must not be negative");
 }
@@ -242,36 +408,21 @@ Stabilized stabilize(const Take& take, const StabilizeOptions& options) {
   std::vector<std::string> jig = options.jig.empty() ? jig_labels(take.labels) : options.jig;
   check_labels(take, jig);
   result.method = decide(options, jig, result.decisions);
-  int reference = options.reference_frame;
-  if (reference >= take.frames()) {
-    throw InputError("take '" + take.name + "' has no frame " + std::to_string(reference));
+  result.reference_frame = options.reference_frame;
+  if (result.reference_frame >= take.frames()) {
+    throw InputError("take '" + take.name + "' has no frame " + std::to_string(result.reference_frame));
   }
-  if (options.body) {
-    result.body = *options.body;
-    if (reference < 0) reference = central_frame(take, columns_of(take, result.body.labels));
-  } else if (result.method == HeadMethod::steady_face) {
-    std::vector<int> all(static_cast<std::size_t>(take.markers()));
-    for (int m = 0; m < take.markers(); ++m) all[static_cast<std::size_t>(m)] = m;
-    if (reference < 0) reference = central_frame(take, all);
-    result.body = find_steady_markers(take, reference);
-  } else if (result.method == HeadMethod::three_point) {
-    if (jig.size() < 3) throw InputError("take '" + take.name + "': the three-point method needs three jig markers");
-    const std::vector<std::string> three(jig.begin(), jig.begin() + 3);
-    if (reference < 0) reference = central_frame(take, columns_of(take, three));
-    result.body = {three, observed_rows(take, reference, columns_of(take, three)),
-                   Eigen::VectorXd::Constant(3, kStartDeviation)};
-  } else {
-    if (jig.size() < 3) throw InputError("take '" + take.name + "' has no jig of 3 or more markers; name them");
-    result.body = rigid_part(jig_body(take, jig, reference), result.decisions);
+  result.poses = head_poses(take, jig, options, result);
+  const int longest = static_cast<int>(options.interpolate_seconds * take.rate_hz);
+  interpolate(result.poses, longest);
+  if (options.smooth && result.method != HeadMethod::three_point) {
+    result.poses = smoothed_poses(result.poses, result.body, take.rate_hz);
   }
-  result.reference_frame = reference;
-  const bool as_published = result.method == HeadMethod::three_point;
-  result.poses = as_published ? three_point_poses(take, result.body) : robust_poses(take, result.body);
   if (!options.nose_tip.empty()) {
     check_labels(take, {options.nose_tip});
-    translate_by_nose(take, take.find(options.nose_tip), reference, result.poses);
+    translate_by_nose(take, take.find(options.nose_tip), result.reference_frame, result.poses);
+    interpolate(result.poses, longest);
   }
-  interpolate(result.poses, static_cast<int>(options.interpolate_seconds * take.rate_hz));
   result.take = in_head_coordinates(take, result.poses, jig);
   report(result);
   return result;

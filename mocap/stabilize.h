@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mocap/jig_slip.h"
 #include "mocap/rigid_body.h"
 #include "mocap/take.h"
 
@@ -23,7 +24,11 @@ struct StabilizeOptions {
   int reference_frame = -1;          ///< whose head coordinates are used; -1: the most central complete frame
   std::optional<RigidBody> body;     ///< of another take of the same session: its head coordinates are then used
   double interpolate_seconds = 0.2;  ///< frames without a pose are interpolated over gaps up to this long, ≥ 0
-  void validate() const;             ///< throws `UsageError`
+  bool find_slips = true;            ///< jig: markers that move on it are found and left out from then on…
+  bool reuse_slipped = true;         ///< …and measured anew where they come to rest, once each
+  SlipOptions slips;
+  bool smooth = true;     ///< the markers' noise is taken out of the head's path; never with three_point
+  void validate() const;  ///< throws `UsageError`
 };
 
 /// A take in head coordinates.
@@ -32,6 +37,7 @@ struct Stabilized {
   RigidBody body;               ///< markers that stand for the head, in head coordinates
   std::vector<HeadPose> poses;  ///< one a frame
   HeadMethod method = HeadMethod::jig;
+  std::vector<JigSlip> slips;  ///< in order of frames
   int reference_frame = 0;
   double rms = 0.0;  ///< over the measured frames, mm
   std::vector<std::string> decisions;

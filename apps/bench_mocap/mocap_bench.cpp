@@ -39,7 +39,8 @@ nlohmann::json empty_report() {
 }
 
 const std::vector<Part>& parts() {
-  static const std::vector<Part> all = {{"gaps", measure_gaps}, {"speed", measure_speed}};
+  static const std::vector<Part> all = {
+      {"labels", measure_labels_and_head}, {"gaps", measure_gaps}, {"speed", measure_speed}};
   return all;
 }
 

@@ -45,6 +45,10 @@ void measure_gaps(const MocapBenchOptions& options, MocapFigures& figures, Progr
 /// Reading and cleaning of ten minutes: seconds and memory (speed.h).
 void measure_speed(const MocapBenchOptions& options, MocapFigures& figures, Progress& progress);
 
+/// Labels repaired and head motion left on stage takes with swaps, phantoms, fragments, a slipping jig marker, noise
+/// and missing samples.
+void measure_labels_and_head(const MocapBenchOptions& options, MocapFigures& figures, Progress& progress);
+
 /// Every part, in the order in which they run.
 const std::vector<Part>& parts();
 
