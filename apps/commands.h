@@ -16,6 +16,13 @@ void add_scan_clean(CommandTable& table);
 void add_register(CommandTable& table);
 void add_rig_databank(CommandTable& table);
 void add_mocap_clean(CommandTable& table);
+void add_mocap_convert(CommandTable& table);
+void add_mocap_label(CommandTable& table);
+void add_mocap_repair(CommandTable& table);
+void add_mocap_stabilize(CommandTable& table);
+void add_mocap_fill(CommandTable& table);
+void add_mocap_filter(CommandTable& table);
+void add_mocap_poses(CommandTable& table);
 void add_bench_registration(CommandTable& table);
 void add_bench_mocap(CommandTable& table);
 

@@ -14,6 +14,13 @@ int main(int argc, char** argv) {
   add_register(table);
   add_rig_databank(table);
   add_mocap_clean(table);
+  add_mocap_convert(table);
+  add_mocap_label(table);
+  add_mocap_repair(table);
+  add_mocap_stabilize(table);
+  add_mocap_fill(table);
+  add_mocap_filter(table);
+  add_mocap_poses(table);
   add_bench_registration(table);
   add_bench_mocap(table);
   return table.run(argc, argv);

@@ -1,0 +1,76 @@
+#include <CLI/CLI.hpp>
+
+#include "apps/commands.h"
+#include "apps/mocap_files.h"
+#include "mocap/labels.h"
+
+namespace vultus::apps {
+namespace {
+
+struct Arguments {
+  TakeArguments files;
+  mocap::LabelOptions options;
+  std::filesystem::path edits, apply, undo;
+};
+
+mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run) {
+  mocap::LabelEdits edits;
+  mocap::Take take;
+  if (!arguments.apply.empty()) {
+    run.input(arguments.apply);
+    edits = mocap::read_edits(arguments.apply);
+    take = mocap::apply_edits(raw, edits);
+  } else {
+    mocap::Relabelled relabelled = mocap::repair_labels(raw, arguments.options);
+    for (const std::string& line : relabelled.decisions) run.progress().note(line);
+    edits = std::move(relabelled.edits);
+    take = std::move(relabelled.take);
+  }
+  run.print("what,first,last,moves,score,why");
+  for (const mocap::LabelEdit& edit : edits.edits) {
+    std::string moves;
+    for (const mocap::LabelMove& move : edit.moves) {
+      moves += (moves.empty() ? "" : " ") + move.from + ">" + (move.to.empty() ? "(dropped)" : move.to);
+    }
+    run.print(mocap::name_of(edit.kind) + (edit.applied ? "," : " (refused),") + std::to_string(edit.first()) + "," +
+              std::to_string(edit.last()) + "," + moves + "," + std::to_string(edit.score) + ",\"" + edit.why + "\"");
+  }
+  run.numbers()["edits"] = edits.edits.size();
+  if (!arguments.edits.empty()) mocap::write_edits(arguments.edits, edits);
+  return take;
+}
+
+ExitCode label(const Arguments& arguments, Run& run) {
+  const mocap::Take raw = read_step(arguments.files, run);
+  if (arguments.undo.empty()) {
+    const mocap::Take take = applied(arguments, raw, run);
+    write_step(arguments.files, take, run);
+    return ExitCode::ok;
+  }
+  run.input(arguments.undo);
+  write_step(arguments.files, mocap::undo_edits(raw, mocap::read_edits(arguments.undo)), run);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_mocap_label(CommandTable& table) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App& app =
+      table.add("mocap label", "Wrong labels, fragments and phantoms found and repaired, each change listed",
+                "vultus mocap label raw.c3d --out labelled.c3d --edits edits.json\n"
+                "  vultus mocap label raw.c3d --apply edits.json --out labelled.c3d   (after editing by hand)\n"
+                "  vultus mocap label labelled.c3d --undo edits.json --out raw.c3d",
+                {}, [arguments](Run& run) { return label(*arguments, run); });
+  add_take_options(app, arguments->files);
+  app.add_option("--edits", arguments->edits,
+                 "Write the changes; each may be refused there by hand (\"applied\": false)")
+      ->type_name("FILE.json");
+  auto* apply = app.add_option("--apply", arguments->apply, "Make these changes instead of looking for any")
+                    ->type_name("FILE.json");
+  app.add_option("--undo", arguments->undo, "Take these changes back")->type_name("FILE.json")->excludes(apply);
+  app.add_option("--phantom", arguments->options.phantom_mm, "Samples that fit no marker within this are phantoms, mm")
+      ->capture_default_str();
+}
+
+}  // namespace vultus::apps
