@@ -30,6 +30,7 @@ constexpr std::array<Width, 11> kWidthList = {
 constexpr int kMostDegree = 6;
 constexpr int kWidest = kWidthList.back().half;
 constexpr std::size_t kWidths = kWidthList.size();
+constexpr double kMostNoise = 16.0;  // squared; a pose that the fit would move further is no noise but a knock
 constexpr double kDecideSeconds = 1.0;
 
 /// Mean square of how far the body's markers are moved by a small change of pose: change' M change.
@@ -82,8 +83,6 @@ class Smoothing {
 
   std::vector<HeadPose> run(double rate_hz) {
     fit_all();
-    leave_out_strays();
-    fit_all();
     const std::vector<double> width = widths(std::max(2, static_cast<int>(kDecideSeconds * rate_hz)));
     std::vector<HeadPose> result = poses_;
     tbb::parallel_for(std::size_t{0}, poses_.size(), [&](std::size_t f) {
@@ -91,6 +90,7 @@ class Smoothing {
       const auto low = std::min(static_cast<std::size_t>(width[f]), kWidths - 2);
       const double t = width[f] - static_cast<double>(low);
       const Vector6 by = (1.0 - t) * fits_[f].change[low] + t * fits_[f].change[low + 1];
+      if (poses_[f].kind == HeadPose::Kind::measured && by.dot(metric_ * by) > kMostNoise * noise_square(f)) return;
       result[f].world_from_head = changed(poses_[f].world_from_head, by);
     });
     return result;
@@ -163,23 +163,6 @@ class Smoothing {
     if (weight <= 0.0 || leverage > 0.95) return;
     const Vector6 miss = result.change[w] / (1.0 - leverage);
     result.miss_square[w] = miss.dot(metric_ * miss);
-  }
-
-  /// Poses that every width misses by far (a wrong label that nobody repaired) get no weight.
-  void leave_out_strays() {
-    constexpr double times_usual = 36.0;  // of the squares
-    std::vector<double> least(poses_.size(), 0.0), known;
-    for (std::size_t f = 0; f < poses_.size(); ++f) {
-      double square = std::numeric_limits<double>::infinity();
-      for (std::size_t w = 1; w < kWidths; ++w)
-        if (std::isfinite(fits_[f].miss_square[w])) square = std::min(square, fits_[f].miss_square[w]);
-      if (!std::isfinite(square)) continue;
-      known.push_back(least[f] = square);
-    }
-    if (known.empty()) return;
-    const double limit = times_usual * median(std::move(known)) + 1e-6;
-    for (std::size_t f = 0; f < poses_.size(); ++f)
-      if (least[f] > limit) weights_[f] = 0.0;
   }
 
   /// A single pose's own error; residuals of n markers show only (n - 2) / n of their noise, six unknowns being fitted.

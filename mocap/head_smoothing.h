@@ -11,7 +11,7 @@ namespace vultus::mocap {
 /// (local regression, Cleveland 1979), each weighted by its markers. How many frames take part is decided anew
 /// everywhere: as many as predict the pose that was left out best over the second on both sides (cross-validation,
 /// Stone 1974), and none where that predicts worse than the noise of a single pose, so that fast motion stays. Poses
-/// that no width predicts are left out of the fits. Poses of kind `none` stay so.
+/// that it would move by four times their noise stay too. Poses of kind `none` stay so.
 std::vector<HeadPose> smoothed_poses(const std::vector<HeadPose>& poses, const RigidBody& body, double rate_hz);
 
 }  // namespace vultus::mocap

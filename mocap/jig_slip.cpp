@@ -119,7 +119,7 @@ int moment_of(const Path& path, const std::vector<Block>& blocks, std::size_t cu
   for (int f = blocks[0].first; f < blocks[from].last; ++f) {
     if (const auto place = path.at(f)) usual.push_back((*place - old).norm());
   }
-  const double limit = usual.empty() ? 0.0 : quantile(std::move(usual), 0.6);
+  const double limit = usual.empty() ? 0.0 : quantile(std::move(usual), 0.9);
   int frame = blocks[cut].last, back = 0;
   for (int f = blocks[cut].last; f >= blocks[from].first && back < 3; --f) {
     const auto place = path.at(f);

@@ -17,8 +17,9 @@ namespace {
 
 constexpr int kTried = 14, kKept = 8;  // neighbours of a marker
 constexpr std::size_t kLearned = 600;  // frames
-constexpr double kRidge = 25.0;      // mm², against the motion of a marker at rest (its noise) being taken for a cause
-constexpr double kKeptShare = 0.85;  // of the frames, after trimming: wrong labels are fewer
+constexpr double kRidge = 25.0;  // mm², against the motion of a marker at rest (its noise) being taken for a cause
+constexpr double kKeptShare =
+    0.7;  // of the frames, whose misses say what is usual: wrong labels are fewer than the rest
 
 std::vector<int> thinned(const std::vector<int>& frames) {
   if (frames.size() <= kLearned) return frames;
@@ -81,7 +82,7 @@ std::optional<MarkerModel::Link> MarkerModel::link(const Take& take, const std::
   };
   measure();
   for (int round = 0; round < 3; ++round) {
-    const double limit = std::max(1.0, 2.5 * quantile(misses, kKeptShare));
+    const double limit = std::max(1.0, 4.0 * quantile(misses, kKeptShare));
     Eigen::Matrix3d xx = Eigen::Matrix3d::Zero(), yx = Eigen::Matrix3d::Zero();
     Eigen::Vector3d mx = Eigen::Vector3d::Zero(), my = Eigen::Vector3d::Zero();
     int n = 0;
