@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -41,7 +42,13 @@ enum class Part { all, lower };
 Eigen::MatrixXd covariances(const PreparedKernel& prepared, Part part, const Eigen::MatrixXd& za,
                             const std::vector<int>& a, const Eigen::MatrixXd& zb, const std::vector<int>& b) {
   const RegressionKernel& kernel = prepared.kernel;
-  Eigen::MatrixXd k = za * zb.transpose();
+  Eigen::MatrixXd k(za.rows(), zb.rows());
+  if (part == Part::lower) {
+    k.setZero();
+    k.selfadjointView<Eigen::Lower>().rankUpdate(za);
+  } else {
+    k.noalias() = za * zb.transpose();
+  }
   const Eigen::VectorXd na = za.rowwise().squaredNorm(), nb = zb.rowwise().squaredNorm();
   const double linear = kernel.linear * kernel.linear;
   const double shape = 0.5 / (kernel.similar_length * kernel.similar_length);
@@ -77,6 +84,21 @@ double jitter(const Take& take, int marker, int step) {
   }
   if (differences.empty()) return least;
   return std::max(least, median(std::move(differences)) / (0.6745 * std::sqrt(70.0)));
+}
+
+/// Kernels that suit short, middling and long gaps, and one for lively faces; `fitted` starts from one of them.
+std::array<RegressionKernel, 4> starting_kernels() {
+  RegressionKernel gentle, close, lively;
+  gentle.similar_length = 1.5;
+  gentle.similar_seconds = 2.0;
+  gentle.smooth_seconds = 0.2;
+  close.similar = 3.0;
+  close.similar_length = 0.5;
+  close.similar_seconds = 5.0;
+  lively = close;
+  lively.liveliness = 0.2;
+  lively.smooth = 1.5;
+  return {gentle, RegressionKernel{}, close, lively};
 }
 
 }  // namespace
@@ -224,8 +246,11 @@ double GapRegression::error_on(const std::vector<GapTrial>& trials, const Regres
 
 RegressionKernel GapRegression::fitted(const RigidGroups& groups, int length, std::uint64_t seed) const {
   constexpr int trial_count = 24;
+  const std::array<RegressionKernel, 4> starts = starting_kernels();
   const std::vector<GapTrial> trials = cut_trials(measured_, groups, length, false, trial_count, seed);
-  RegressionKernel best;
+  RegressionKernel best = starts[1];
+  if (length < 0.25 * measured_.rate_hz) best = starts[0];
+  if (length >= measured_.rate_hz) best = starts[2];
   if (trials.empty()) return best;
   double least = error_on(trials, best);
   const auto consider = [&](const RegressionKernel& candidate) {
@@ -236,17 +261,7 @@ RegressionKernel GapRegression::fitted(const RigidGroups& groups, int length, st
       best = candidate;
     }
   };
-  RegressionKernel gentle, close, lively;
-  gentle.similar_length = 1.5;
-  gentle.similar_seconds = 2.0;
-  gentle.smooth_seconds = 0.2;
-  close.similar = 3.0;
-  close.similar_length = 0.5;
-  close.similar_seconds = 5.0;
-  lively = close;
-  lively.liveliness = 0.2;
-  lively.smooth = 1.5;
-  for (const RegressionKernel& candidate : {gentle, close, lively}) consider(candidate);
+  for (const RegressionKernel& candidate : starts) consider(candidate);
   const RegressionKernel chosen = best;
   const auto vary = [&](double RegressionKernel::*member, double factor) {
     RegressionKernel candidate = best;

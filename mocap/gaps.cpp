@@ -20,6 +20,7 @@ namespace {
 constexpr int kLongestTrial = 1024;       // frames; errors of longer gaps grow from there
 constexpr int kRegressionTrials = 80;     // of each length: regression costs some milliseconds a gap
 constexpr int kManyGaps = 4000;           // above this, short gaps are left to splines for speed
+constexpr int kFewGaps = 500;             // up to this, long gaps are guessed twice
 constexpr double kWorthRegression = 0.8;  // of the spline's error
 
 bool at_edge(const Take& take, const Gap& gap) { return gap.first == 0 || gap.last + 1 == take.frames(); }
@@ -74,6 +75,7 @@ class Methods {
     first_pass(gaps);
     // Cost grows with the cube of the frames used: spend what the number of gaps allows.
     regression_ = std::make_unique<GapRegression>(take, guess_, std::clamp(400000 / std::max(1, others), 60, 160));
+    if (others <= kFewGaps) second_pass(gaps);
     fit_kernels(gaps);
     regression_errors_ = errors(
         gaps, [this](const TakeView& v, const Gap& g) { return low_rank(v, g); }, longest,
@@ -165,6 +167,20 @@ class Methods {
         guess_.set(f, gap.marker, filled->places.row(f - gap.first).transpose());
       }
     });
+  }
+
+  /// The guess of long gaps once more, by regression on the first: other gaps learn from these frames.
+  void second_pass(const std::vector<Gap>& gaps) {
+    kernels_.fill(regression_->prepared(RegressionKernel{}));
+    std::vector<std::optional<Guess>> filled(gaps.size());
+    tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t i) {
+      if (!is_short(gaps[i])) filled[i] = guess(Origin::low_rank, gaps[i]);
+    });
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+      for (int f = gaps[i].first; filled[i] && f <= gaps[i].last; ++f) {
+        guess_.set(f, gaps[i].marker, filled[i]->places.row(f - gaps[i].first).transpose());
+      }
+    }
   }
 
   const Take& take_;
