@@ -63,6 +63,20 @@ Relabelled labelled(const Take& raw, const CleanOptions& options) {
   return result;
 }
 
+void note_repeats(const std::vector<Repeat>& repeats, const std::vector<std::string>& labels, CleanReport& report) {
+  std::size_t held = 0, doubled = 0, markers = 0;
+  for (const Repeat& repeat : repeats) {
+    const auto frames = static_cast<std::size_t>(repeat.frames());
+    const std::string marker = repeat.marker < 0 ? "" : labels[static_cast<std::size_t>(repeat.marker)];
+    report.repeats.push_back({repeat.kind, marker, repeat.first, repeat.last});
+    (repeat.kind == Repeat::Kind::held ? held : repeat.kind == Repeat::Kind::doubled ? doubled : markers) += frames;
+  }
+  if (repeats.empty()) return;
+  report.decisions.push_back("repeats: " + std::to_string(held) + " frames held for lost ones are missing, " +
+                             std::to_string(doubled) + " put in twice were taken out, " + std::to_string(markers) +
+                             " samples of markers held in place are missing");
+}
+
 }  // namespace
 
 void CleanOptions::validate() const {
@@ -81,12 +95,17 @@ Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) 
   if (relabel) repaired = labelled(raw, options);
   progress.advance();
   progress.check();
-  Stabilized head = stabilize(relabel ? repaired.take : raw, options.head);
+  const std::vector<Repeat> repeats = find_repeats(relabel ? repaired.take : raw);
+  const std::vector<std::string> labels = relabel ? repaired.take.labels : raw.labels;
+  if (!repeats.empty()) repaired.take = without(relabel ? repaired.take : raw, repeats);
+  Stabilized head = stabilize(relabel || !repeats.empty() ? repaired.take : raw, options.head);
   repaired.take = {};
   progress.advance();
   progress.check();
   CleanReport report = report_of(raw, repaired.decisions, head);
-  Take steady = std::move(head.take);
+  note_repeats(repeats, labels, report);
+  Take steady = std::move(head.take), measured;
+  if (options.keep_measured) measured = steady;
   if (options.remove_spikes) {
     report.spikes = find_spikes(steady, options.spikes);
     steady = without(steady, report.spikes);
@@ -109,7 +128,8 @@ Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) 
   report.gaps = std::move(filled.gaps);
   report.origins = std::move(filled.origins);
   report.expected_errors = std::move(filled.expected_errors);
-  return {std::move(take), std::move(head.body), std::move(head.poses), std::move(report), std::move(repaired.edits)};
+  return {std::move(take),       std::move(measured), std::move(head.body),
+          std::move(head.poses), std::move(report),   std::move(repaired.edits)};
 }
 
 }  // namespace vultus::mocap

@@ -10,6 +10,7 @@
 #include "mocap/gaps.h"
 #include "mocap/labels.h"
 #include "mocap/local_frames.h"
+#include "mocap/repeats.h"
 #include "mocap/spikes.h"
 #include "mocap/stabilize.h"
 
@@ -25,7 +26,15 @@ struct CleanOptions {
   std::vector<VirtualMarker> virtual_markers;  ///< never captured, carried by their siblings
   FilterOptions filter;
   bool remove_spikes = true;
-  void validate() const;  ///< throws `UsageError`
+  bool keep_measured = false;  ///< fill `Cleaned::measured`
+  void validate() const;       ///< throws `UsageError`
+};
+
+/// A repeat with its marker's name: that marker may not be in the cleaned take.
+struct RepeatNote {
+  Repeat::Kind kind = Repeat::Kind::held;
+  std::string marker;       ///< empty for whole frames
+  int first = 0, last = 0;  ///< frames as read, before doubled ones were taken out
 };
 
 /// What cleaning found and did, the content of samples.json.
@@ -36,6 +45,7 @@ struct CleanReport {
   std::vector<double> missing;  ///< per marker, share of the frames as captured, 0…1
   std::vector<Gap> gaps;
   std::vector<Spike> spikes;
+  std::vector<RepeatNote> repeats;
   std::vector<std::string> head_markers;
   std::vector<double> head_deviations;  ///< mm, one a head marker
   std::vector<double> head_residuals;   ///< mm RMS, one a frame; NaN without a measured pose
@@ -47,6 +57,7 @@ struct CleanReport {
 
 struct Cleaned {
   Take take;                    ///< head coordinates, without jig markers
+  Take measured;                ///< the same as measured, when asked for: nothing taken out, filled or smoothed
   RigidBody body;               ///< hand it to the other takes of the session, so that all share head coordinates
   std::vector<HeadPose> poses;  ///< one a frame
   CleanReport report;

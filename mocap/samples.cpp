@@ -25,6 +25,13 @@ Origin origin_named(const std::string& name) {
   throw InputError("'" + name + "' is no origin of a sample");
 }
 
+Repeat::Kind kind_named(const std::string& name) {
+  for (const Repeat::Kind kind : {Repeat::Kind::held, Repeat::Kind::doubled, Repeat::Kind::marker}) {
+    if (name == name_of(kind)) return kind;
+  }
+  throw InputError("'" + name + "' is no kind of repeat");
+}
+
 /// Micrometres are enough to read and keep the file short.
 double rounded(double mm) { return std::round(mm * 1000.0) / 1000.0; }
 
@@ -98,6 +105,10 @@ CleanReport parsed(const Json& json) {
                                spike.at("size_mm").get<double>()});
     }
   }
+  for (const Json& repeat : json.value("repeats", Json::array())) {
+    report.repeats.push_back({kind_named(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
+                              repeat.at("first").get<int>(), repeat.at("last").get<int>()});
+  }
   return report;
 }
 
@@ -139,6 +150,11 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
   for (const Spike& spike : report.spikes) {
     json["markers"][static_cast<std::size_t>(spike.marker)]["spikes"].push_back(
         {{"first", spike.first}, {"last", spike.last}, {"size_mm", rounded(spike.size)}});
+  }
+  json["repeats"] = Json::array();
+  for (const RepeatNote& repeat : report.repeats) {
+    json["repeats"].push_back(
+        {{"what", name_of(repeat.kind)}, {"marker", repeat.marker}, {"first", repeat.first}, {"last", repeat.last}});
   }
   write_json(file, json);
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "mocap/clean.h"
 #include "mocap/repeats.h"
 #include "tests/unit/mocap/takes.h"
 
@@ -103,6 +104,23 @@ TEST(Repeats, RestLowerRatesAndRoundingAreNone) {
   Take coarse = swaying(2000);  // stored in steps of 0.5 mm, half of a frame's motion: repeats come by themselves
   for (float& value : coarse.positions) value = 0.5F * std::round(2.0F * value);
   EXPECT_TRUE(find_repeats(coarse).empty());
+}
+
+class RepeatsCleaned : public InFolder {};
+
+TEST_F(RepeatsCleaned, AreFilledReportedAndReadBack) {
+  Take take = swaying(400);
+  for (int f = 121; f <= 123; ++f) copy_frame(take, 120, f);
+  const Cleaned cleaned = clean(with_doubled(take, 250, 1), {});
+  EXPECT_EQ(cleaned.take.frames(), 400);
+  EXPECT_TRUE(cleaned.take.has(122, 3));
+  EXPECT_NE(cleaned.report.origins[cleaned.take.index(122, 3)], Origin::measured);
+  write_samples(folder / "samples.json", cleaned.report);
+  const CleanReport read = read_samples(folder / "samples.json");
+  ASSERT_EQ(read.repeats.size(), 2U);
+  EXPECT_EQ(read.repeats[0].kind, Repeat::Kind::held);
+  EXPECT_EQ(read.repeats[1].kind, Repeat::Kind::doubled);
+  EXPECT_EQ(read.repeats[1].first, 251);
 }
 
 }  // namespace
