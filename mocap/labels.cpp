@@ -150,8 +150,9 @@ class Repair {
   bool is_phantom(const LabelledTracklet& t) const {
     const double limit = std::max(options_.phantom_mm, 2.0 * usual(t.label));
     const double seconds = t.span.frames() / evidence_.rate_hz();
-    return seconds < 2.0 && seconds > kSpikeSeconds && t.misfit > limit &&
-           evidence_.informed_misfit(t.span, t.label) > limit;
+    if (seconds >= 2.0 || seconds <= kSpikeSeconds || t.misfit <= limit) return false;
+    if (evidence_.informed_misfit(t.span, t.label) <= limit) return false;
+    return std::isfinite(evidence_.end_misfit(t.span, t.label)) || t.misfit > 3.0 * limit;
   }
 
   std::vector<LabelEdit> edits() const;

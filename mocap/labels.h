@@ -13,7 +13,7 @@ struct LabelOptions {
   double misfit_mm = 1.5;    ///< a marker nearer than this to where its neighbours put it is left alone, > 0
   double times_usual = 3.5;  ///< and so is one that strays less than this many times its own usual misfit, > 1
   double better = 0.5;       ///< another label must take the misfit down to this share of it, 0…1
-  double phantom_mm = 3.5;   ///< a stretch that fits no marker and strays at least this far is a phantom, > 0
+  double phantom_mm = 4.0;   ///< a stretch that fits no marker and strays at least this far is a phantom, > 0
   void validate() const;     ///< throws `UsageError`
 };
 

@@ -82,7 +82,7 @@ std::optional<MarkerModel::Link> MarkerModel::link(const Take& take, const std::
   };
   measure();
   for (int round = 0; round < 3; ++round) {
-    const double limit = std::max(1.0, 4.0 * quantile(misses, kKeptShare));
+    const double limit = std::max(1.0, 6.0 * quantile(misses, kKeptShare));
     Eigen::Matrix3d xx = Eigen::Matrix3d::Zero(), yx = Eigen::Matrix3d::Zero();
     Eigen::Vector3d mx = Eigen::Vector3d::Zero(), my = Eigen::Vector3d::Zero();
     int n = 0;
