@@ -43,6 +43,10 @@ ReviewTake read_take_results(const std::string& name, ReviewSession& session) {
   } else {
     session.missing.push_back("takes/" + name + "/samples.json");
   }
+  if (there(folder / "measured.c3d") && there(folder / "clean.c3d")) {
+    take.measured = mocap::read_take(folder / "measured.c3d");
+    take.clean = mocap::read_take(folder / "clean.c3d");
+  }
   if (there(folder / "weights.npy")) {
     take.weights = retarget::read_weights(folder / "weights.npy");
   } else {

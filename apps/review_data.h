@@ -43,6 +43,7 @@ namespace vultus::apps {
 //    "solve": {"frames_per_second": x, "worst_kkt_residual": x}}
 // SESSION/takes/<take>/errors_global.csv   the form of errors.csv, for the global solve.
 // SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals.
+// SESSION/takes/<take>/{measured,clean}.c3d  head coordinates, before anything was taken out, filled or smoothed, and after.
 // SESSION/render/<take>/<frame>.{png,jpg}   also in realtime/ and reference/ below <take>.
 // SESSION/render/<take>/film.mp4    (or any .mp4 there) inlined below 8 MB, else linked.
 
@@ -52,6 +53,7 @@ struct ReviewTake {
   std::optional<retarget::Weights> weights;
   std::optional<retarget::MarkerErrors> errors, global_errors;
   std::optional<mocap::CleanReport> samples;
+  std::optional<mocap::Take> measured, clean;  ///< both or neither
   nlohmann::json report = nlohmann::json::object();
   double rate_hz() const;
   int frames() const;

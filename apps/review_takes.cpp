@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/review_encoding.h"
 
@@ -14,6 +15,8 @@ constexpr std::size_t kMostWeights = 2'500'000;  // 16-bit values: 6.7 MB of bas
 constexpr std::size_t kMostErrors = 1'200'000;
 constexpr double kWeightStep = 1.0 / 65534.0;
 constexpr double kErrorStep = 0.001;  // mm
+constexpr std::size_t kMostPlaces = 1'500'000;
+constexpr double kPlaceStep = 0.005;  // mm: 65534 of them are a third of a metre
 
 nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(std::round(value * 1e4) / 1e4) : nlohmann::json(nullptr);
@@ -103,6 +106,14 @@ nlohmann::json gaps_json(const mocap::CleanReport& samples) {
 
 nlohmann::json repairs_json(const mocap::CleanReport& samples) {
   nlohmann::json rows = nlohmann::json::array();
+  for (const mocap::RepeatNote& repeat : samples.repeats) {
+    const int frames = repeat.last - repeat.first + 1;
+    const std::string what = repeat.kind == mocap::Repeat::Kind::doubled ? "{} frames put in twice taken out"
+                             : repeat.kind == mocap::Repeat::Kind::held  ? "{} frames held for lost ones filled"
+                                                                         : "held in place for {} frames, filled";
+    rows.push_back(
+        {{"marker", repeat.marker}, {"frame", repeat.first}, {"what", fmt::format(fmt::runtime(what), frames)}});
+  }
   for (const mocap::Spike& spike : samples.spikes) {
     rows.push_back({{"marker", samples.labels[spike.marker]},
                     {"frame", spike.first},
@@ -115,6 +126,48 @@ nlohmann::json stabilization_json(const mocap::CleanReport& samples) {
   nlohmann::json residuals = nlohmann::json::array();
   for (double value : samples.head_residuals) residuals.push_back(finite_or_null(value));
   return {{"method", samples.head_method}, {"rms", finite_or_null(samples.head_rms)}, {"rms_mm", residuals}};
+}
+
+/// Least coordinate of each marker and axis over both takes, mm; a value below it would not be stored.
+std::vector<float> least_places(const mocap::Take& measured, const mocap::Take& clean) {
+  std::vector<float> least(3 * clean.labels.size(), 0.0F);
+  std::vector<char> known(least.size(), 0);
+  for (const mocap::Take* take : {&measured, &clean}) {
+    for (std::size_t i = 0; i < take->positions.size(); ++i) {
+      const int marker = clean.find(take->labels[i / 3 % take->labels.size()]);
+      if (marker < 0 || take->present[i / 3] == 0) continue;
+      const std::size_t k = 3 * static_cast<std::size_t>(marker) + i % 3;
+      least[k] = known[k] ? std::min(least[k], take->positions[i]) : take->positions[i];
+      known[k] = 1;
+    }
+  }
+  return least;
+}
+
+/// frames × (markers of `clean` × 3), above `least`; NaN where missing.
+std::vector<float> places_of(const mocap::Take& take, const mocap::Take& clean, const std::vector<float>& least) {
+  std::vector<int> column;
+  for (const std::string& label : clean.labels) column.push_back(take.find(label));
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(take.frames()) * least.size());
+  for (int f = 0; f < take.frames(); ++f) {
+    for (std::size_t k = 0; k < least.size(); ++k) {
+      const int m = column[k / 3];
+      const bool here = m >= 0 && take.has(f, m);
+      values.push_back(here ? take.positions[3 * take.index(f, m) + k % 3] - least[k]
+                            : std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  return values;
+}
+
+nlohmann::json curves_json(const mocap::Take& measured, const mocap::Take& clean) {
+  const std::vector<float> least = least_places(measured, clean);
+  const std::size_t width = least.size();
+  return {{"labels", clean.labels},
+          {"least", least},
+          {"measured", rows_json(places_of(measured, clean, least), width, kMostPlaces, kPlaceStep)},
+          {"clean", rows_json(places_of(clean, clean, least), width, kMostPlaces, kPlaceStep)}};
 }
 
 nlohmann::json decisions_json(const ReviewTake& take) {
@@ -147,6 +200,7 @@ nlohmann::json take_json(const ReviewTake& take) {
     json["repairs"] = repairs_json(*take.samples);
     json["stabilization"] = stabilization_json(*take.samples);
   }
+  if (take.measured && take.clean) json["curves"] = curves_json(*take.measured, *take.clean);
   return json;
 }
 

@@ -41,15 +41,17 @@ class TakeCleaner {
       if (!file.empty()) provenance.inputs[name] = sha256_of_file(file);
     const std::string clean_file = take_artefact(take.name, "clean.c3d"),
                       samples = take_artefact(take.name, "samples.json"),
-                      labels = take_artefact(take.name, "labels.json");
+                      labels = take_artefact(take.name, "labels.json"),
+                      measured = take_artefact(take.name, "measured.c3d");
     const bool current = session_.is_current(clean_file, provenance) && session_.is_current(samples, provenance) &&
-                         session_.is_current(labels, provenance);
+                         session_.is_current(labels, provenance) && session_.is_current(measured, provenance);
     if (!current) {
       const mocap::Cleaned cleaned = cleaned_take(take.file);
       mocap::write_take(session_.folder() / clean_file, cleaned.take);
+      mocap::write_take(session_.folder() / measured, cleaned.measured);
       mocap::write_samples(session_.folder() / samples, cleaned.report);
       mocap::write_edits(session_.folder() / labels, cleaned.label_edits);
-      for (const std::string& name : {clean_file, samples, labels}) session_.record(name, provenance);
+      for (const std::string& name : {clean_file, samples, labels, measured}) session_.record(name, provenance);
       session_.save();
     }
     // Read back even when just written, so that a run cut short and continued gives the same bytes.
@@ -70,6 +72,7 @@ class TakeCleaner {
   mocap::Cleaned cleaned(const fs::path& file) {
     mocap::CleanOptions options = options_;
     options.head.body = body_;
+    options.keep_measured = true;
     try {
       if (options.repair_labels && !label_list(file).empty()) options.label_edits = mocap::read_edits(label_list(file));
       return mocap::clean(mocap::read_take(file), options, progress_);

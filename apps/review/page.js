@@ -172,7 +172,9 @@ function takePart(take, body) {
   mounts.push(face.mount);
   const charts = make('div', { class: 'grid', style: { marginTop: '14px' } });
   let errors = null;
+  let cleaning = null;
   const chooseMarker = marker => {
+    if (cleaning) cleaning.choose(marker);
     if (!errors) return;
     errors.choose(marker);
     body.querySelectorAll('tr[data-marker]').forEach(row => row.classList.toggle('chosen', row.dataset.marker === marker));
@@ -195,6 +197,11 @@ function takePart(take, body) {
     charts.append(steady.node);
     mounts.push(() => steady.curve.mount());
   }
+  if (take.curves) {
+    cleaning = new CleaningPanel(take, timeline);
+    charts.append(cleaning.node);
+    mounts.push(() => cleaning.mount());
+  }
   const left = make('div', { class: 'grid' }, liuTable(take), decisionsPart(take));
   charts.append(make('div', { class: 'grid figures' }, left, markerTable(take, chooseMarker)));
   body.append(charts);
@@ -204,7 +211,7 @@ function takePart(take, body) {
 }
 
 function decisionsPart(take) {
-  const repairs = (take.repairs || []).map(repair => `${repair.marker}, frame ${repair.frame}: ${repair.what}`);
+  const repairs = (take.repairs || []).map(repair => `${repair.marker ? repair.marker + ', ' : ''}frame ${repair.frame}: ${repair.what}`);
   const node = make('div', { class: 'panel' }, make('h3', {}, 'What was decided'));
   const shared = DATA.session.decisions || [], own = (take.decisions || []).filter(line => !shared.includes(line));
   const parts = [decisionsPanel('This take', [own]), decisionsPanel('Repairs', [repairs]),
