@@ -25,8 +25,8 @@ using Moments = Eigen::Matrix<double, 7, 6>;   // the same times the changes of 
 struct Width {
   int half, degree;  // frames
 };
-constexpr std::array<Width, 11> kWidthList = {
-    {{0, 0}, {2, 2}, {4, 2}, {7, 2}, {11, 2}, {16, 2}, {24, 2}, {34, 4}, {46, 4}, {60, 6}, {78, 6}}};
+constexpr std::array<Width, 12> kWidthList = {
+    {{0, 0}, {2, 2}, {4, 2}, {7, 2}, {11, 2}, {16, 2}, {22, 2}, {34, 4}, {42, 4}, {52, 6}, {64, 6}, {78, 6}}};
 constexpr int kMostDegree = 6;
 constexpr int kWidest = kWidthList.back().half;
 constexpr std::size_t kWidths = kWidthList.size();
@@ -219,7 +219,7 @@ class Smoothing {
       }
       chosen[f] = static_cast<double>(best);
     }
-    return running_mean(chosen, reach / 4);
+    return running_mean(chosen, reach / 2);
   }
 
   static std::vector<double> running_mean(const std::vector<double>& values, int reach) {
