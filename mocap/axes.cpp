@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 
 #include "core/error.h"
+#include "core/number_text.h"
 
 namespace vultus::mocap {
 
@@ -30,12 +30,6 @@ std::optional<Eigen::Vector3i> axis(const std::string& name) {
   }
   if (letter.size() != 1 || letter[0] < 'x' || letter[0] > 'z') return {};
   return sign * Eigen::Vector3i::Unit(letter[0] - 'x');
-}
-
-std::string with_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 /// Median over frames of the RMS distance of the markers from their centre, in file units; 0 without data.
@@ -61,7 +55,7 @@ double spread(const Take& take) {
 
 double decide_unit(Take& take, const FileConvention& convention, const ReadOptions& options) {
   if (options.mm_per_unit > 0.0) {
-    take.decisions.push_back("units: " + with_digits(options.mm_per_unit) + " mm each, as asked");
+    take.decisions.push_back("units: " + number(options.mm_per_unit, "%.4g") + " mm each, as asked");
     return options.mm_per_unit;
   }
   if (!options.unit.empty()) {
@@ -79,7 +73,7 @@ double decide_unit(Take& take, const FileConvention& convention, const ReadOptio
   const double extent = spread(take);
   const char* unit = extent == 0.0 || extent > 30.0 ? "mm" : (extent > 2.0 ? "cm" : "m");
   take.decisions.push_back(std::string("units: ") + unit + ", guessed from a spread of the markers of " +
-                           with_digits(extent) + " (the file says " +
+                           number(extent, "%.4g") + " (the file says " +
                            (convention.unit.empty() ? "nothing" : "'" + convention.unit + "'") + ")");
   return *mm_of_unit(unit);
 }

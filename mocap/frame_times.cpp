@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/number_text.h"
 #include "mocap/statistics.h"
 
 namespace vultus::mocap {
@@ -13,12 +13,6 @@ namespace {
 constexpr double kOff = 0.1;             // frames off the even line that call for interpolation
 constexpr double kRateTolerance = 2e-4;  // below this, 2.4 ms in the ten minutes of a take, a rate is as stated
 constexpr double kOneFrame = 0.5;        // of a frame: nearer than this two times are one
-
-std::string with_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 /// Frame number on the even line for each frame as read: leaps counted in whole frames of `period`.
 std::vector<int> places_of(const std::vector<double>& times, double period) {
@@ -151,8 +145,8 @@ bool whole_steps(const std::vector<double>& times, double usual) {
 double settled_rate(double measured, double stated, double step, double span, std::vector<std::string>& decisions) {
   const double tolerance = std::max(kRateTolerance, 2.0 * step / std::max(span, 1e-9));
   if (std::abs(measured / stated - 1.0) <= tolerance) return stated;
-  decisions.push_back("rate: " + with_digits(measured) + " Hz by the frames' times, not the stated " +
-                      with_digits(stated));
+  decisions.push_back("rate: " + number(measured, "%.6g") + " Hz by the frames' times, not the stated " +
+                      number(stated, "%.6g"));
   return measured;
 }
 

@@ -198,4 +198,13 @@ RigidBody refine_body(const Take& take, const RigidBody& body, int reference_fra
   return result;
 }
 
+std::vector<HeadPose> body_poses(const Take& take, const RigidBody& body) {
+  const std::vector<int> columns = columns_of(take, body.labels);
+  std::vector<HeadPose> poses(static_cast<std::size_t>(take.frames()));
+  tbb::parallel_for(0, take.frames(), [&](int f) {
+    if (const auto pose = fit_body(body, observed_rows(take, f, columns))) poses[static_cast<std::size_t>(f)] = *pose;
+  });
+  return poses;
+}
+
 }  // namespace vultus::mocap

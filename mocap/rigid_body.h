@@ -11,6 +11,9 @@
 
 namespace vultus::mocap {
 
+/// How far a marker is taken to stray from its body before that is measured, mm.
+constexpr double start_deviation = 0.3;
+
 /// Markers that move together with the head.
 struct RigidBody {
   std::vector<std::string> labels;
@@ -38,6 +41,9 @@ std::vector<int> columns_of(const Take& take, const std::vector<std::string>& la
 
 /// Rows of `frame` at `columns`; NaN for missing samples.
 Points observed_rows(const Take& take, int frame, const std::vector<int>& columns);
+
+/// `fit_body` in every frame of the take.
+std::vector<HeadPose> body_poses(const Take& take, const RigidBody& body);
 
 /// The body's shape and deviations from many frames of the take: per-frame fits and component-wise medians in turn,
 /// starting from `body`, anchored so that the markers seen in `reference_frame` keep their place there on average.

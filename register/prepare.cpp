@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/number_text.h"
 #include "register/anchors.h"
 #include "register/face_finder.h"
 #include "register/geometric_landmarks.h"
 #include "register/minor_landmarks.h"
-#include "register/number_text.h"
 #include "scan/thin.h"
 
 namespace vultus::registration {

@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "core/number_text.h"
 #include "register/align.h"
 #include "register/control_surface.h"
 #include "register/energy_registration.h"
 #include "register/expression_start.h"
 #include "register/fill.h"
 #include "register/jaw.h"
-#include "register/number_text.h"
 #include "register/project.h"
 #include "register/smooth_projection.h"
 #include "register/start_warp.h"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/number_text.h"
 #include "register/align.h"
 #include "register/appearance.h"
 #include "register/closed_lids.h"
@@ -9,7 +10,6 @@
 #include "register/flow_alignment.h"
 #include "register/jaw.h"
 #include "register/nonrigid.h"
-#include "register/number_text.h"
 #include "register/seals.h"
 #include "register/settled_skin.h"
 #include "register/start_warp.h"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "register/number_text.h"
+#include "core/number_text.h"
 #include "register/quality.h"
 
 namespace vultus::registration {

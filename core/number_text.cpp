@@ -1,8 +1,8 @@
-#include "register/number_text.h"
+#include "core/number_text.h"
 
 #include <cstdio>
 
-namespace vultus::registration {
+namespace vultus {
 
 std::string number(double value, const char* format) {
   char text[32];
@@ -10,4 +10,4 @@ std::string number(double value, const char* format) {
   return text;
 }
 
-}  // namespace vultus::registration
+}  // namespace vultus
