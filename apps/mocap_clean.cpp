@@ -2,6 +2,7 @@
 
 #include "apps/commands.h"
 #include "mocap/clean.h"
+#include "mocap/layout_fit.h"
 
 namespace vultus::apps {
 namespace {
@@ -23,7 +24,11 @@ ExitCode clean(const Arguments& arguments, Run& run) {
   options.head.find_slips = !arguments.no_slips;
   if (!arguments.labels_from.empty()) {
     run.input(arguments.labels_from);
-    options.label_edits = mocap::read_edits(arguments.labels_from);
+    if (arguments.labels_from.extension() == ".json") {
+      options.label_edits = mocap::read_edits(arguments.labels_from);
+    } else {
+      options.layout = mocap::marker_layout(mocap::read_take(arguments.labels_from, arguments.reading));
+    }
   }
   const mocap::Take raw = mocap::read_take(arguments.take, arguments.reading);
   const mocap::Cleaned cleaned = mocap::clean(raw, options, run.progress());
@@ -56,8 +61,9 @@ void add_mocap_clean(CommandTable& table) {
       app.add_option("--labels", arguments->labels, "Write every change of labels")->type_name("FILE.json");
   CLI::Option* from = app.add_option("--labels-from", arguments->labels_from,
                                      "Such a list, looked through by hand (\"applied\": false refuses a change): "
-                                     "applied instead of a search")
-                          ->type_name("FILE.json");
+                                     "applied instead of a search; or a labelled take (C3D, TRC, CSV) or neutral "
+                                     "layout of the same markers, for a take that has fewer than eight labels")
+                          ->type_name("FILE");
   app.add_flag("--keep-labels", arguments->keep_labels, "Swaps, fragments and phantoms are left as they are")
       ->excludes(labels)
       ->excludes(from);

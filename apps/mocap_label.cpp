@@ -2,7 +2,8 @@
 
 #include "apps/commands.h"
 #include "apps/mocap_files.h"
-#include "mocap/labels.h"
+#include "mocap/layout_fit.h"
+#include "mocap/template_labels.h"
 
 namespace vultus::apps {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 struct Arguments {
   TakeArguments files;
   mocap::LabelOptions options;
-  std::filesystem::path edits, apply, undo;
+  std::filesystem::path edits, apply, undo, labels_from;
 };
 
 mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run) {
@@ -21,7 +22,14 @@ mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run
     edits = mocap::read_edits(arguments.apply);
     take = mocap::apply_edits(raw, edits);
   } else {
-    mocap::Relabelled relabelled = mocap::repair_labels(raw, arguments.options);
+    mocap::Relabelled relabelled;
+    if (arguments.labels_from.empty()) {
+      relabelled = mocap::repair_labels(raw, arguments.options);
+    } else {
+      run.input(arguments.labels_from);
+      const mocap::Take labelled = mocap::read_take(arguments.labels_from, arguments.files.reading);
+      relabelled = mocap::label_from_layout(raw, mocap::marker_layout(labelled), arguments.options);
+    }
     for (const std::string& line : relabelled.decisions) run.progress().note(line);
     edits = std::move(relabelled.edits);
     take = std::move(relabelled.take);
@@ -68,7 +76,13 @@ void add_mocap_label(CommandTable& table) {
       ->type_name("FILE.json");
   auto* apply = app.add_option("--apply", arguments->apply, "Make these changes instead of looking for any")
                     ->type_name("FILE.json");
-  app.add_option("--undo", arguments->undo, "Take these changes back")->type_name("FILE.json")->excludes(apply);
+  auto* undo =
+      app.add_option("--undo", arguments->undo, "Take these changes back")->type_name("FILE.json")->excludes(apply);
+  app.add_option("--labels-from", arguments->labels_from,
+                 "A labelled take or neutral layout of the same markers, for a take with fewer than eight labels")
+      ->type_name("FILE")
+      ->excludes(apply)
+      ->excludes(undo);
   app.add_option("--phantom", arguments->options.phantom_mm, "Samples that fit no marker within this are phantoms, mm")
       ->capture_default_str();
 }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "mocap/template_labels.h"
 
 namespace vultus::mocap {
 
@@ -55,6 +56,7 @@ CleanReport report_of(const Take& raw, const std::vector<std::string>& labelling
 
 /// The raw take under the right labels, by the list in the options or by search.
 Relabelled labelled(const Take& raw, const CleanOptions& options) {
+  if (!options.label_edits && options.layout) return label_from_layout(raw, *options.layout, options.labels);
   if (!options.label_edits) return repair_labels(raw, options.labels);
   Relabelled result;
   result.edits = *options.label_edits;

@@ -20,6 +20,7 @@ struct CleanOptions {
   LabelOptions labels;
   bool repair_labels = true;
   std::optional<LabelEdits> label_edits;  ///< a list that was looked through by hand: it is applied, nothing is sought
+  std::optional<RigidBody> layout;        ///< of `marker_layout`: labels for a take with fewer than eight
   StabilizeOptions head;
   SpikeOptions spikes;
   FillOptions gaps;
