@@ -1,7 +1,10 @@
 #include "core/neighbours.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <algorithm>
+#include <cstdint>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -112,6 +115,25 @@ Adjacency adjacency(const Topology& topology) {
   for (const auto& [a, b] : pairs) result.vertices[next[b]++] = a;
   for (const auto& [a, b] : pairs) result.vertices[next[a]++] = b;
   return result;
+}
+
+std::vector<bool> border_vertices(const Topology& topology) {
+  std::vector<std::uint64_t> edges;
+  const Triangles& triangles = topology.triangles();
+  edges.reserve(3 * triangles.rows());
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(triangles(t, k), triangles(t, (k + 1) % 3));
+      edges.push_back((static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b));
+    }
+  tbb::parallel_sort(edges.begin(), edges.end());
+  std::vector<bool> border(topology.vertex_count(), false);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const bool shared = (i > 0 && edges[i - 1] == edges[i]) || (i + 1 < edges.size() && edges[i + 1] == edges[i]);
+    if (shared) continue;
+    border[edges[i] >> 32] = border[edges[i] & 0xffffffffu] = true;
+  }
+  return border;
 }
 
 std::vector<std::vector<int>> boundary_loops(const Topology& topology) {

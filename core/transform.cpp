@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace vultus {
 namespace {
@@ -29,12 +30,6 @@ void check_spread(const Points& centred, const Eigen::VectorXd& weights, const c
   if (!scatter.allFinite() || !(spread(1) > collinear * spread(0))) {
     throw InputError(std::string("alignment: the ") + which + " points are collinear or not finite");
   }
-}
-
-double median(Eigen::VectorXd values) {
-  const auto middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + middle, values.end());
-  return values(middle);
 }
 
 Eigen::VectorXd residuals_of(const Similarity& target_from_source, const Points& source, const Points& target) {
@@ -95,7 +90,7 @@ RobustFit fit_similarity_robust(const Points& source, const Points& target, Scal
   fit.target_from_source = fit_similarity(source, target, scaling);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     fit.residuals = residuals_of(fit.target_from_source, source, target);
-    const double spread = std::max(deviation_from_mad * median(fit.residuals), noise_floor);
+    const double spread = std::max(deviation_from_mad * quantile(fit.residuals, 0.5), noise_floor);
     const Eigen::ArrayXd u = fit.residuals.array() / (biweight_tuning * spread);
     const Eigen::VectorXd weights = (u < 1.0).select((1.0 - u.square()).square(), 0.0);
     if ((weights.array() > 0.0).count() < 3) break;

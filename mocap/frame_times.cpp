@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/number_text.h"
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/statistics.h"
 #include "mocap/gap_trials.h"
-#include "mocap/statistics.h"
 
 namespace vultus::mocap {
 

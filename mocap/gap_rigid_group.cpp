@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "core/transform.h"
 #include "mocap/gap_methods.h"
-#include "mocap/statistics.h"
 
 namespace vultus::mocap {
 

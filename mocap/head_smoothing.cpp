@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

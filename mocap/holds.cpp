@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "mocap/key_poses.h"
-#include "mocap/statistics.h"
 
 namespace vultus::mocap {
 

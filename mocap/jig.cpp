@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/number_text.h"
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 #include "mocap/steady_markers.h"
 
 namespace vultus::mocap {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -7,8 +7,8 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/statistics.h"
 #include "mocap/holds.h"
-#include "mocap/statistics.h"
 
 namespace vultus::mocap {
 

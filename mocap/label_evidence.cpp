@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "mocap/rigid_body.h"
-#include "mocap/statistics.h"
 #include "mocap/steady_markers.h"
 
 namespace vultus::mocap {

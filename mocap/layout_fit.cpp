@@ -7,8 +7,8 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/statistics.h"
 #include "mocap/assignment.h"
-#include "mocap/statistics.h"
 #include "mocap/steady_markers.h"
 #include "mocap/tracklets.h"
 

@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 

@@ -6,15 +6,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace vultus::registration {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double tukey(double residual, double spread) {
   const double x = residual / (4.685 * spread);
@@ -82,8 +77,7 @@ Alignment align_landmarks(const Points& template_points, const Points& scan_poin
   // Reweighting by hand, as `fit_similarity_robust` knows no confidence.
   for (int round = 0; round < 20; ++round) {
     residuals = (transformed(motion, source) - target).rowwise().norm();
-    const double spread =
-        std::max(0.5, 1.4826 * median(std::vector<double>(residuals.data(), residuals.data() + residuals.size())));
+    const double spread = std::max(0.5, 1.4826 * quantile(residuals, 0.5));
     for (int i = 0; i < weights.size(); ++i) weights[i] = confidence[usable[i]] * tukey(residuals[i], spread);
     motion = fit_similarity(source, target, scaling, weights);
   }

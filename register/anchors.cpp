@@ -59,6 +59,25 @@ int telling(int ibug) {
 
 }  // namespace
 
+Anchors Anchors::at(const std::vector<int>& rows) const {
+  Anchors some{{}, {}, targets(rows, Eigen::all), confidence(rows)};
+  for (int i : rows) {
+    some.names.push_back(names[i]);
+    some.vertices.push_back(vertices[i]);
+  }
+  return some;
+}
+
+void Anchors::add(const std::string& name, int vertex, const Eigen::Vector3d& target, double sureness) {
+  const int row = size();
+  names.push_back(name);
+  vertices.push_back(vertex);
+  targets.conservativeResize(row + 1, 3);
+  confidence.conservativeResize(row + 1);
+  targets.row(row) = target;
+  confidence[row] = sureness;
+}
+
 double unit_correction(double outer_eye_distance) {
   const double least = 65.0, most = 125.0;
   if (!(outer_eye_distance > 0.0)) return 1.0;
@@ -95,12 +114,7 @@ Anchors plausible_anchors(const Anchors& anchors, const Points& rest) {
     const bool given = anchors.confidence[i] >= 1.0;
     if (given || (keep[i] && (feature < 0 || doubts[feature] < 2))) rows.push_back(i);
   }
-  Anchors kept{{}, {}, anchors.targets(rows, Eigen::all), anchors.confidence(rows)};
-  for (int i : rows) {
-    kept.names.push_back(anchors.names[i]);
-    kept.vertices.push_back(anchors.vertices[i]);
-  }
-  return kept;
+  return anchors.at(rows);
 }
 
 ScanLandmarks overridden(ScanLandmarks found, const ScanLandmarks& given) {

@@ -17,6 +17,8 @@ struct Anchors {
   Points targets;              ///< scan frame
   Eigen::VectorXd confidence;  ///< [0, 1]
   int size() const { return static_cast<int>(vertices.size()); }
+  Anchors at(const std::vector<int>& rows) const;  ///< these alone
+  void add(const std::string& name, int vertex, const Eigen::Vector3d& target, double sureness);
 };
 
 /// The scan's unit as the eyes tell it: factor on the scan's coordinates that makes the outer eye corners' distance one

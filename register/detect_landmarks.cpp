@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "register/face_search.h"
 
 namespace vultus::registration {
@@ -34,12 +35,6 @@ Eigen::Vector3d robust_mean(const std::vector<Eigen::Vector3d>& points, const st
     centre = sum / weight;
   }
   return centre;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // What a point is worth however well the views agree: brows and contour are colour and outline rather than shape.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/neighbours.h"
+#include "core/statistics.h"
 
 namespace vultus::registration {
 namespace {
@@ -51,11 +52,6 @@ std::vector<int> jaw_front(const Ibug68& ibug, const Topology& topology, const P
       }
   std::sort(front.begin(), front.end());
   return front;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 // Normal equations of a small turn about `centre` and a shift.

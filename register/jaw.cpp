@@ -37,8 +37,11 @@ std::vector<int> chin_vertices(const Points& rest, const std::vector<bool>& fitt
   return vertices;
 }
 
-std::vector<int> every(std::size_t stride, const std::vector<int>& all) {
-  std::vector<int> some;
+// About `count` of all, evenly.
+template <typename Item>
+std::vector<Item> some_of(const std::vector<Item>& all, std::size_t count) {
+  const std::size_t stride = all.size() / count;
+  std::vector<Item> some;
   for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(1, stride)) some.push_back(all[i]);
   return some;
 }
@@ -153,9 +156,7 @@ std::vector<PointTerm> still_neck(const Ibug68& ibug, const Topology& topology, 
     else if (const auto any = scan.rays().closest(place, 12.0); !any || scan.on_border(any->place))
       terms.push_back({v, place, 0.3});
   }
-  std::vector<PointTerm> some;
-  for (std::size_t i = 0; i < terms.size(); i += std::max<std::size_t>(1, terms.size() / 60)) some.push_back(terms[i]);
-  return some;
+  return some_of(terms, 60);
 }
 
 // A hole in the data over closed lips looks like a gape too, but no chin fits below it better than the one at rest.
@@ -171,8 +172,7 @@ std::optional<JawOpening> gaping(const Template& head, const Topology& topology,
   const Eigen::Vector3d chin = rest.row((*head.ibug68)[8]);
   opening.drop = (jaw.motion * chin - chin).norm();
   if (opening.drop < 3.0) return {};
-  for (int v : every(jaw.front.size() / 40, jaw.front))
-    opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.2});
+  for (int v : some_of(jaw.front, 40)) opening.terms.push_back({v, jaw.motion * Eigen::Vector3d(rest.row(v)), 0.2});
   // Colour, where there is some, tells better how far skin under the chin goes along.
   if (!scan.mesh().has_colours() && scan.mesh().texture.empty())
     for (const PointTerm& term : still_neck(*head.ibug68, topology, rest, fitted, scan)) opening.terms.push_back(term);
@@ -194,26 +194,11 @@ bool agrees(int ibug, const Eigen::Vector3d& from, const Eigen::Vector3d& to, co
   return (from + lift - to).norm() < 8.0;
 }
 
-Anchors chosen(const Anchors& anchors, const std::vector<int>& rows) {
-  Anchors kept{{}, {}, anchors.targets(rows, Eigen::all), anchors.confidence(rows)};
-  for (int i : rows) {
-    kept.names.push_back(anchors.names[i]);
-    kept.vertices.push_back(anchors.vertices[i]);
-  }
-  return kept;
-}
-
 void add(const Rim& rim, const Ibug68& ibug, Anchors& anchors) {
   const int vertex = ibug[rim.ibug];
   if (vertex < 0 || std::find(anchors.vertices.begin(), anchors.vertices.end(), vertex) != anchors.vertices.end())
     return;
-  const int row = anchors.size();
-  anchors.names.push_back(ibug_name(rim.ibug));
-  anchors.vertices.push_back(vertex);
-  anchors.targets.conservativeResize(row + 1, 3);
-  anchors.confidence.conservativeResize(row + 1);
-  anchors.targets.row(row) = rim.place;
-  anchors.confidence[row] = 0.8;
+  anchors.add(ibug_name(rim.ibug), vertex, rim.place, 0.8);
 }
 
 }  // namespace
@@ -230,7 +215,7 @@ JawOpening find_jaw_opening(const Template& head, const Topology& topology, cons
   const std::vector<int> around = chin_vertices(rest, fitted, point(8), 28.0);
   if (around.size() < 20) return {};
 
-  const ChinOnScan chin(topology, rest, every(around.size() / 250, around), lower_lip(rest, anchors), scan);
+  const ChinOnScan chin(topology, rest, some_of(around, 250), lower_lip(rest, anchors), scan);
   const auto motion = best_motion(chin, {0.5 * (right + left), (left - right).normalized()});
   JawOpening opening;
   if (motion) opening.drop = (*motion * point(8) - point(8)).norm();
@@ -238,7 +223,7 @@ JawOpening find_jaw_opening(const Template& head, const Topology& topology, cons
   opening.angle = Eigen::AngleAxisd(motion->rotation).angle();
   opening.motion = *motion;
   const std::vector<int> core = chin_vertices(rest, fitted, point(8), 20.0);
-  for (int v : every(core.size() / 25, core)) opening.terms.push_back({v, *motion * Eigen::Vector3d(rest.row(v)), 0.3});
+  for (int v : some_of(core, 25)) opening.terms.push_back({v, *motion * Eigen::Vector3d(rest.row(v)), 0.3});
   return opening;
 }
 
@@ -259,7 +244,7 @@ Anchors agreeing_anchors(const Template& head, const Anchors& anchors, const Poi
         agrees(*point, rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), lift, jaw.motion))
       rows.push_back(i);
   }
-  Anchors kept = chosen(anchors, rows);
+  Anchors kept = anchors.at(rows);
   for (const Rim& rim : rims) add(rim, ibug, kept);
   return kept;
 }

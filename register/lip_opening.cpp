@@ -116,11 +116,7 @@ void set(const Template& head, int ibug, const Eigen::Vector3d& position, Anchor
     if (!vertex || std::find(anchors.vertices.begin(), anchors.vertices.end(), *vertex) != anchors.vertices.end())
       return;
     row = anchors.size();
-    anchors.names.push_back(ibug_name(ibug));
-    anchors.vertices.push_back(*vertex);
-    anchors.targets.conservativeResize(*row + 1, 3);
-    anchors.confidence.conservativeResize(*row + 1);
-    anchors.confidence[*row] = 0.0;
+    anchors.add(ibug_name(ibug), *vertex, position, 0.0);
   }
   if (anchors.confidence[*row] >= 1.0) return;
   anchors.targets.row(*row) = position;

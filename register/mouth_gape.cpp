@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace vultus::registration {
 namespace {
 
@@ -71,11 +73,6 @@ std::optional<Edges> edges_on(const Line& line) {
   lower = lip;
   while (lower - 1 > upper && heights[lower - 1] > heights[lip] - deep) --lower;
   return Edges{line.places[upper], line.places[lower], (lower - upper) * step};
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 // The middle one of several lines side by side, by where their edges lie.

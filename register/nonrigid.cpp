@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/neighbours.h"
+#include "core/statistics.h"
 #include "register/fill.h"
 #include "register/smooth_projection.h"
 #include "register/unfold.h"
@@ -43,13 +44,6 @@ struct Matches {
   std::vector<PlaneTerm> planes;
   double mean_distance = 0.0;
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Tangent planes for every `stride`-th fitted vertex, weighted by Tukey's function of the distance to the plane and by
 // how well the normals agree; weights sum to about one a node.

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/number_text.h"
+#include "core/statistics.h"
 #include "register/anchors.h"
 #include "register/face_finder.h"
 #include "register/geometric_landmarks.h"
@@ -26,8 +27,7 @@ double nose_confidence(const ScanLandmarks& points) {
   for (const ScanLandmark& point : points)
     if (const auto ibug = ibug_index(point.name); ibug && *ibug >= 27 && *ibug <= 35) found.push_back(point.confidence);
   if (found.empty()) return 0.0;
-  std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
-  return found[found.size() / 2];
+  return median(std::move(found));
 }
 
 // What a first look needs of a scan: pictures of the face resolve a millimetre. Where an image tells more than the

@@ -3,18 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "register/method.h"
 #include "scan/clean.h"
 
 namespace vultus::registration {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return -1.0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Contour points are outlines of a picture, and what is hardly believed takes no part in the fit either. Where points
 // were placed by hand they alone count: those that follow from them were set onto the surface.
@@ -28,14 +22,14 @@ double offset_from(const ScanSurface& scan, const ScanLandmarks& landmarks, doub
     const auto place = scan.rays().closest(landmark.position);
     if (place) distances.push_back(place->distance);
   }
-  return median(std::move(distances));
+  return distances.empty() ? -1.0 : median(std::move(distances));
 }
 
 double misfit_of(const Template& head, const Anchors& anchors) {
   if (anchors.size() < 6) return -1.0;
   const RobustFit fit =
       fit_similarity_robust(head.neutral(anchors.vertices, Eigen::all), anchors.targets, Scaling::free, 1.0);
-  return median({fit.residuals.data(), fit.residuals.data() + fit.residuals.size()});
+  return quantile(fit.residuals, 0.5);
 }
 
 }  // namespace

@@ -1,36 +1,15 @@
 #include "register/scan_surface.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "core/error.h"
+#include "core/neighbours.h"
 #include "register/calmed_normals.h"
 
 namespace vultus::registration {
 namespace {
-
-std::vector<bool> border_vertices(const Topology& topology) {
-  std::vector<std::uint64_t> edges;
-  const Triangles& triangles = topology.triangles();
-  edges.reserve(3 * triangles.rows());
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(triangles(t, k), triangles(t, (k + 1) % 3));
-      edges.push_back((static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint32_t>(b));
-    }
-  tbb::parallel_sort(edges.begin(), edges.end());
-  std::vector<bool> border(topology.vertex_count(), false);
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const bool shared = (i > 0 && edges[i - 1] == edges[i]) || (i + 1 < edges.size() && edges[i + 1] == edges[i]);
-    if (shared) continue;
-    border[edges[i] >> 32] = border[edges[i] & 0xffffffffu] = true;
-  }
-  return border;
-}
 
 // Mean edge of the scan's triangles were they all alike, mm.
 double spacing_of(const Mesh& scan) {

@@ -7,16 +7,12 @@
 #include <limits>
 #include <optional>
 
+#include "core/statistics.h"
+
 namespace vultus::registration {
 namespace {
 
 constexpr double nothing = -std::numeric_limits<double>::infinity();
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class Face {
  public:

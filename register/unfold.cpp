@@ -208,27 +208,21 @@ Points relaxed(const Topology& topology, const Points& reference, const Points& 
   return result;
 }
 
-std::vector<bool> border_vertices(const Topology& topology) {
-  std::vector<bool> border(topology.vertex_count(), false);
-  for (const auto& loop : boundary_loops(topology))
-    for (const int v : loop) border[v] = true;
-  return border;
-}
-
 }  // namespace
 
+std::vector<bool> turned_triangles(const Topology& topology, const Points& positions) {
+  const Points faces = triangle_normals(topology, positions), corners = vertex_normals(topology, positions);
+  std::vector<bool> turned(faces.rows());
+  for (int t = 0; t < faces.rows(); ++t) {
+    const auto c = topology.triangles().row(t);
+    turned[t] = faces.row(t).dot(corners.row(c[0]) + corners.row(c[1]) + corners.row(c[2])) < 0.0;
+  }
+  return turned;
+}
+
 std::vector<bool> folded_triangles(const Topology& topology, const Points& reference, const Points& positions) {
-  auto against = [&](const Points& pose) {
-    const Points faces = triangle_normals(topology, pose), corners = vertex_normals(topology, pose);
-    std::vector<bool> flags(faces.rows());
-    for (int t = 0; t < faces.rows(); ++t) {
-      const auto c = topology.triangles().row(t);
-      flags[t] = faces.row(t).dot(corners.row(c[0]) + corners.row(c[1]) + corners.row(c[2])) < 0.0;
-    }
-    return flags;
-  };
-  const std::vector<bool> before = against(reference);
-  std::vector<bool> folded = against(positions);
+  const std::vector<bool> before = turned_triangles(topology, reference);
+  std::vector<bool> folded = turned_triangles(topology, positions);
   for (std::size_t t = 0; t < folded.size(); ++t) folded[t] = folded[t] && !before[t];
   return folded;
 }

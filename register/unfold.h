@@ -6,8 +6,9 @@
 
 namespace vultus::registration {
 
-/// True for triangles of the triangulated view that look against the mean of their corners' normals in `positions` but
-/// not in `reference`: folded over by the deformation.
+/// True for triangles of the triangulated view that look against the mean of their corners' normals.
+std::vector<bool> turned_triangles(const Topology& topology, const Points& positions);
+/// True for those turned in `positions` but not in `reference`: folded over by the deformation.
 std::vector<bool> folded_triangles(const Topology& topology, const Points& reference, const Points& positions);
 
 /// Smooths folds out and leaves all else where it is. Around each fold vertices become the mean of their neighbours,

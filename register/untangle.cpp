@@ -5,38 +5,20 @@
 #include <map>
 #include <set>
 
+#include "core/corners.h"
 #include "register/unfold.h"
 
 namespace vultus::registration {
 namespace {
 
-// Triangles of each vertex: those of v at [offsets[v], offsets[v+1]).
-struct Fans {
-  std::vector<int> offsets, triangles;
-
-  explicit Fans(const Topology& topology) : offsets(topology.vertex_count() + 1, 0) {
-    const Triangles& all = topology.triangles();
-    for (int t = 0; t < all.rows(); ++t)
-      for (int k = 0; k < 3; ++k) ++offsets[all(t, k) + 1];
-    for (std::size_t v = 1; v < offsets.size(); ++v) offsets[v] += offsets[v - 1];
-    std::vector<int> next(offsets.begin(), offsets.end() - 1);
-    triangles.resize(offsets.back());
-    for (int t = 0; t < all.rows(); ++t)
-      for (int k = 0; k < 3; ++k) triangles[next[all(t, k)]++] = t;
-  }
-};
-
 class Untangling {
  public:
   Untangling(const Topology& topology, const Points& reference, const Points& positions, const std::vector<bool>& held)
-      : triangles_(topology.triangles()), fans_(topology), held_(held), positions_(positions) {
-    const Points faces = triangle_normals(topology, reference), corners = vertex_normals(topology, reference);
-    excused_.resize(faces.rows());
-    for (int t = 0; t < faces.rows(); ++t) {
-      const auto c = triangles_.row(t);
-      excused_[t] = faces.row(t).dot(corners.row(c[0]) + corners.row(c[1]) + corners.row(c[2])) < 0.0;
-    }
-  }
+      : triangles_(topology.triangles()),
+        corners_(topology.vertex_count(), {triangles_.data(), static_cast<std::size_t>(triangles_.size())}),
+        held_(held),
+        excused_(turned_triangles(topology, reference)),
+        positions_(positions) {}
 
   // One visit to each vertex near the folds; false when nothing moved.
   bool pass(const std::vector<bool>& folded) {
@@ -56,8 +38,8 @@ class Untangling {
   // The vertex and its neighbours.
   std::set<int> around(int v) const {
     std::set<int> ring{v};
-    for (int i = fans_.offsets[v]; i < fans_.offsets[v + 1]; ++i)
-      for (int k = 0; k < 3; ++k) ring.insert(triangles_(fans_.triangles[i], k));
+    for (const int corner : corners_.at(v))
+      for (int k = 0; k < 3; ++k) ring.insert(triangles_(corner / 3, k));
     return ring;
   }
 
@@ -73,13 +55,13 @@ class Untangling {
     std::set<int> region;
     std::map<int, Eigen::Vector3d> normals;
     for (const int w : around(v))
-      region.insert(fans_.triangles.begin() + fans_.offsets[w], fans_.triangles.begin() + fans_.offsets[w + 1]);
+      for (const int corner : corners_.at(w)) region.insert(corner / 3);
     for (const int t : region)
       for (int k = 0; k < 3; ++k) {
         Eigen::Vector3d& normal = normals.try_emplace(triangles_(t, k), Eigen::Vector3d::Zero()).first->second;
         if (!normal.isZero()) continue;
         const int w = triangles_(t, k);
-        for (int i = fans_.offsets[w]; i < fans_.offsets[w + 1]; ++i) normal += area_vector(fans_.triangles[i]);
+        for (const int corner : corners_.at(w)) normal += area_vector(corner / 3);
         normal.normalize();
       }
     double sum = 0.0;
@@ -112,7 +94,7 @@ class Untangling {
   }
 
   const Triangles& triangles_;
-  const Fans fans_;
+  const Corners corners_;
   const std::vector<bool>& held_;
   std::vector<bool> excused_;  // turned in the reference already
   Points positions_;

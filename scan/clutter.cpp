@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scan/corners.h"
 #include "scan/soup.h"
 
 namespace vultus::scan {
@@ -137,7 +136,7 @@ int drop_border_spikes(Soup& soup, double factor, int passes) {
 }
 
 int drop_clutter(Soup& soup, double wildness) {
-  const Corners corners(soup);
+  const Corners corners = vertex_corners(soup);
   const Surroundings wide = widened(soup, corners, at_vertices(soup, corners));
   std::vector<bool> wild(soup.positions.rows());
   int found = 0;

@@ -10,7 +10,6 @@
 #include <numeric>
 #include <optional>
 
-#include "scan/corners.h"
 #include "scan/soup.h"
 
 namespace vultus::scan {
@@ -80,7 +79,7 @@ struct Parting {
 
 // What stands in the way of one fan a vertex, in the order of corners; nothing where triangles are not turned alike.
 std::optional<std::vector<Parting>> partings(const Soup& soup) {
-  const Corners corners(soup);
+  const Corners corners = vertex_corners(soup);
   tbb::combinable<std::vector<Parting>> found;
   std::atomic<bool> oriented = true;
   tbb::parallel_for(tbb::blocked_range<int>(0, corners.vertex_count(), 4096), [&](const auto& range) {

@@ -15,6 +15,12 @@ Soup soup_from(const Mesh& mesh) {
   return soup;
 }
 
+Corners vertex_corners(const Soup& soup) {
+  const std::span<const int> corners(soup.triangles.empty() ? nullptr : soup.triangles.front().data(),
+                                     3 * soup.triangles.size());
+  return {static_cast<int>(soup.positions.rows()), corners};
+}
+
 void keep_triangles(Soup& soup, const std::vector<bool>& keep) {
   std::size_t kept = 0;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/corners.h"
 #include "core/mesh.h"
 
 namespace vultus::scan {
@@ -16,6 +17,9 @@ struct Soup {
 };
 
 Soup soup_from(const Mesh& mesh);
+
+/// Which corners meet at each vertex.
+Corners vertex_corners(const Soup& soup);
 
 /// Drops the triangles for which `keep` is false, with their UV rows.
 void keep_triangles(Soup& soup, const std::vector<bool>& keep);

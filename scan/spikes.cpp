@@ -4,18 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scan/corners.h"
+#include "core/statistics.h"
 #include "scan/soup.h"
 
 namespace vultus::scan {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Distance of each vertex from its neighbours' centroid along the mean direction of its triangles, and the mean length
 // of its edges.
@@ -55,7 +48,7 @@ Relief relief(const Soup& soup, const Corners& corners) {
 
 // A spike stands out from the scan's usual roughness and is steep as well, so that a coarse mesh's nose is none.
 int drop_once(Soup& soup, double factor) {
-  const Relief now = relief(soup, Corners(soup));
+  const Relief now = relief(soup, vertex_corners(soup));
   const double usual = 1.4826 * median(now.height), usual_edge = median(now.edge);
   std::vector<bool> spike(now.height.size());
   int spikes = 0;

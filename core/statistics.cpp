@@ -1,10 +1,11 @@
-#include "mocap/statistics.h"
+#include "core/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-namespace vultus::mocap {
+namespace vultus {
 
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -19,4 +20,4 @@ double quantile(const Eigen::VectorXd& values, double q) {
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
-}  // namespace vultus::mocap
+}  // namespace vultus

@@ -3,14 +3,13 @@
 #include <span>
 #include <vector>
 
-#include "scan/soup.h"
+namespace vultus {
 
-namespace vultus::scan {
-
-/// Which corners meet at each vertex of a soup. A corner is 3·triangle + its place in the triangle.
+/// Which corners of triangles meet at each vertex. A corner is 3·triangle + its place in the triangle.
 class Corners {
  public:
-  explicit Corners(const Soup& soup);
+  /// `corner_vertex`: the vertex of each corner, triangle after triangle, each below `vertex_count`.
+  Corners(int vertex_count, std::span<const int> corner_vertex);
   int vertex_count() const { return static_cast<int>(offset_.size()) - 1; }
   /// In rising order.
   std::span<const int> at(int vertex) const {
@@ -21,4 +20,4 @@ class Corners {
   std::vector<int> offset_, corner_;
 };
 
-}  // namespace vultus::scan
+}  // namespace vultus
