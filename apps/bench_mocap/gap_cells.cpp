@@ -135,8 +135,8 @@ GapCell measure_cell(const std::vector<mocap::Take>& steady, double seconds, int
     Random random(seed + t, static_cast<std::uint64_t>(100 * length + count));
     while (cell.trials < wanted) {
       progress.check();
-      // Two thirds of the frames at least have nothing cut, so that fillers learn from what they would see.
-      const int most = std::clamp(steady[t].frames() / (3 * length), 1, wanted - cell.trials);
+      // Cuts are made together only where they take hardly any of what fillers learn from.
+      const int most = std::clamp(steady[t].frames() / (10 * length), 1, wanted - cell.trials);
       const std::vector<Cut> cuts = batch(steady[t], length, count, most, random);
       if (cuts.empty()) break;
       const mocap::Filled filled = mocap::fill_gaps(without(steady[t], cuts), {.seed = seed});
