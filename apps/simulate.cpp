@@ -63,6 +63,13 @@ void add_simulate(CommandTable& table) {
   app.add_option("--marker-missing", options.marker_missing, "Share of the samples that cameras lose")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
+  app.add_option(
+         "--faults", options.faults,
+         "Swaps, phantoms, fragments without a label, spikes, dropouts to zero, held frames and a slip of the "
+         "jig in every take, times as many as a tracker usually leaves; truth/mocap/TAKE/faults.json says where")
+      ->type_name("TIMES")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
   app.add_flag("--no-mocap", arguments->no_mocap, "Scans only");
 }
 

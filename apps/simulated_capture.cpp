@@ -22,6 +22,7 @@ nlohmann::json json_of(const virtual_stage::StageOptions& options) {
           {"hold_seconds", options.hold_seconds},
           {"marker_noise", options.marker_noise},
           {"marker_missing", options.marker_missing},
+          {"faults", options.faults},
           {"mocap", options.mocap}};
 }
 

@@ -5,7 +5,7 @@
 #include "apps/bench_mocap/mocap_bench.h"
 #include "apps/virtual_stage/actor.h"
 #include "apps/virtual_stage/head_score.h"
-#include "apps/virtual_stage/volume_faults.h"
+#include "apps/virtual_stage/label_score.h"
 #include "mocap/labels.h"
 #include "mocap/stabilize.h"
 #include "register/template_head.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/virtual_stage/expressions.h"
+#include "apps/virtual_stage/fault_truth.h"
 #include "apps/virtual_stage/mocap_volume.h"
 #include "apps/virtual_stage/virtual_actor.h"
 #include "core/array_io.h"
@@ -135,9 +136,39 @@ void write_plans(const fs::path& folder, const MarkerLayout& layout, const Train
   write_json(folder / "markers.json", {{"anchors", layout.anchors}, {"jig", layout.jig_labels}});
 }
 
+// What the cameras gave, as a tracker delivers it.
+void deliver_take(const fs::path& folder, const RecordedTake& recorded, int jig_markers, double faults,
+                  std::uint64_t seed) {
+  const std::string& name = recorded.take.name;
+  const fs::path file = folder / "capture" / "mocap" / (name + ".c3d");
+  if (faults <= 0.0) {
+    mocap::write_take(file, recorded.take);
+    return;
+  }
+  const FaultyTake faulty = with_faults(recorded, jig_markers, usual_faults(seed, faults));
+  mocap::write_take(file, faulty.take);
+  write_fault_truth(folder / "truth" / "mocap" / name, recorded, faulty);
+}
+
+void perform_takes(const fs::path& folder, const FaceModel& face, const MarkerLayout& layout,
+                   const std::vector<Performance>& performances, const StageOptions& options, Progress& progress) {
+  for (std::size_t i = 0; i < performances.size(); ++i) {
+    progress.check();
+    VolumeOptions volume;
+    volume.seed = sub_seed(options.seed, 200 + i);
+    volume.noise = options.marker_noise;
+    volume.missing = options.marker_missing;
+    volume.head_motion = i == 0 ? 0.35 : 1.0;  // who shows poses one by one sits still
+    const RecordedTake recorded = record(face, layout, performances[i], volume);
+    write_truth(folder / "truth" / "mocap" / performances[i].name, performances[i], recorded);
+    deliver_take(folder, recorded, static_cast<int>(layout.jig.rows()), options.faults, volume.seed);
+    progress.advance();
+  }
+}
+
 void mocap_session(const fs::path& folder, const registration::Template& head, const StageOptions& options,
                    Progress& progress) {
-  std::vector<std::string> names = options.performances.empty() ? performance_names() : options.performances;
+  const std::vector<std::string> names = options.performances.empty() ? performance_names() : options.performances;
   progress.begin("mocap", names.size() + 2);
   constexpr double rate_hz = 120.0;
   const VirtualActor actor(head, sub_seed(options.seed, 2));
@@ -150,22 +181,10 @@ void mocap_session(const fs::path& folder, const registration::Template& head, c
   const TrainingSession training = training_session(poses, options.hold_seconds, rate_hz, sub_seed(options.seed, 4));
   write_plans(folder / "capture" / "mocap", layout, training);
   progress.advance();
-
   std::vector<Performance> performances = {training.performance};
   for (const std::string& name : names)
     performances.push_back(perform(name, options.performance_seconds, rate_hz, sub_seed(options.seed, 5)));
-  for (std::size_t i = 0; i < performances.size(); ++i) {
-    progress.check();
-    VolumeOptions volume;
-    volume.seed = sub_seed(options.seed, 200 + i);
-    volume.noise = options.marker_noise;
-    volume.missing = options.marker_missing;
-    volume.head_motion = i == 0 ? 0.35 : 1.0;  // who shows poses one by one sits still
-    const RecordedTake recorded = record(actor.face(), layout, performances[i], volume);
-    mocap::write_take(folder / "capture" / "mocap" / (performances[i].name + ".c3d"), recorded.take);
-    write_truth(folder / "truth" / "mocap" / performances[i].name, performances[i], recorded);
-    progress.advance();
-  }
+  perform_takes(folder, actor.face(), layout, performances, options, progress);
 }
 
 }  // namespace
@@ -180,6 +199,7 @@ void StageOptions::validate() const {
   volume.missing = marker_missing;
   volume.validate();
   check(performance_seconds >= 1 && performance_seconds <= 600, "performance_seconds", "1 … 600");
+  check(faults >= 0 && faults <= 20, "faults", "0 … 20");
   check(hold_seconds >= 0.2 && hold_seconds <= 10, "hold_seconds", "0.2 … 10");
   for (const std::string& pose : poses) expression(pose);
   for (const std::string& name : performances) perform(name, 1.0, 30.0, 0);

@@ -22,6 +22,7 @@ struct StageOptions {
   double hold_seconds = 1.0;              ///< of each pose in the training take, 0.2 … 10
   double marker_noise = 0.1;              ///< mm, each coordinate, 0 … 10
   double marker_missing = 0.02;           ///< share of the face markers' samples, 0 … 0.5
+  double faults = 0.0;                    ///< in every take, times as many as a tracker usually leaves, 0 … 20
   bool mocap = true;                      ///< false: scans only
 
   void validate() const;  ///< throws `UsageError` or, for an unknown pose or performance, `InputError`
@@ -35,12 +36,14 @@ struct StageOptions {
 ///     capture/mocap/<take>.c3d             training and performances of another actor
 ///     capture/mocap/{training,markers}.json
 ///     truth/truth.json                     options, seeds, names of the activation channels, head pose of every scan
-///     truth/poses/<pose>.ply               true surface at the vertices of the template subdivided twice, face frame,
-///     mm truth/scans/<pose>.ply               the same in the scan's frame truth/albedo.exr                     of the
-///     scanned actor, on the template's UVs truth/mocap/poses/<pose>.ply         the mocap actor, as truth/poses
+///     truth/poses/<pose>.ply               true surface (the template subdivided twice), face frame, mm
+///     truth/scans/<pose>.ply               the same in the scan's frame
+///     truth/albedo.exr                     of the scanned actor, on the template's UVs
+///     truth/mocap/poses/<pose>.ply         the mocap actor, as truth/poses
 ///     truth/mocap/<take>/clean.c3d         markers without head motion, noise or gaps, face frame
 ///     truth/mocap/<take>/activations.npy   frames × channels
 ///     truth/mocap/<take>/head_poses.npy    frames × 3 × 4, volume from face
+///     truth/mocap/<take>/{faults.json,owners.npy,recorded.c3d}   with `faults`: see fault_truth.h
 ///
 /// A folder simulated twice with the same options holds the same bytes. Throws `OutputError`.
 void simulate(const std::filesystem::path& folder, const StageOptions& options, Progress& progress);

@@ -1,6 +1,18 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include "apps/virtual_stage/volume_faults.h"
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/virtual_stage/actor.h"
+#include "apps/virtual_stage/fault_truth.h"
+#include "apps/virtual_stage/label_score.h"
+#include "core/array_io.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "mocap/labels.h"
+#include "register/template_head.h"
 
 namespace vultus::virtual_stage {
 namespace {
@@ -48,6 +60,100 @@ TEST(VolumeFaults, APerfectRepairScoresFull) {
   EXPECT_EQ(score.right, score.samples);
   EXPECT_EQ(score.swaps_left, 0);
   EXPECT_GT(score.samples_in_swaps, 0U);
+}
+
+TEST(VolumeFaults, SpikesDropoutsAndHeldFramesAreWhereTheTruthSays) {
+  const RecordedTake recorded = line(3000);
+  FaultOptions options;
+  options.swaps = options.phantoms = options.fragments = 0;
+  options.spikes = options.dropouts = options.held = 40;
+  const FaultyTake faulty = with_faults(recorded, 3, options);
+  ASSERT_EQ(faulty.faults.size(), 36U);
+  std::vector<std::uint8_t> touched(recorded.take.present.size(), 0);
+  for (const Fault& fault : faulty.faults) {
+    for (int f = fault.first; f <= fault.last; ++f) {
+      for (const int m : fault.markers) {
+        touched[recorded.take.index(f, m)] = 1;
+        const Eigen::Vector3d at = faulty.take.at(f, m), was = recorded.take.at(f, m);
+        if (fault.kind == Fault::Kind::spike) {
+          EXPECT_NEAR((at - was).norm(), fault.size, 1e-4);  // float positions
+        } else if (fault.kind == Fault::Kind::dropout) {
+          EXPECT_EQ(at, Eigen::Vector3d::Zero());
+        } else {
+          EXPECT_EQ(at, recorded.take.at(fault.first - 1, m));
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    const int f = static_cast<int>(i / 12), m = static_cast<int>(i % 12);
+    if (!touched[i]) {
+      ASSERT_EQ(faulty.take.at(f, m), recorded.take.at(f, m));
+    }
+  }
+}
+
+TEST(VolumeFaults, NonsenseIsRefused) {
+  FaultOptions options;
+  options.spikes = -1;
+  EXPECT_THROW(options.validate(), UsageError);
+  options = usual_faults(1, 20.0);
+  EXPECT_NO_THROW(options.validate());
+}
+
+/// Eight seconds of a face, with three times the faults that a tracker leaves, as files.
+class FaultFiles : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("vultus_faults_" + std::to_string(::getpid()));
+    const registration::Template head = registration::template_head();
+    const FaceModel actor(head, identity(head, 11));
+    const MarkerLayout layout = marker_layout(actor, 3);
+    const RecordedTake recorded = record(actor, layout, perform("emotions", 8.0, 120.0, 5), {});
+    const FaultyTake faulty = with_faults(recorded, static_cast<int>(layout.jig.rows()), usual_faults(7, 3.0));
+    mocap::write_take(folder_ / "emotions.c3d", faulty.take);
+    write_fault_truth(folder_, recorded, faulty);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  /// As a reader of the files alone has it.
+  static FaultyTake read() {
+    FaultyTake faulty;
+    faulty.take = mocap::read_take(folder_ / "emotions.c3d");
+    const Array owners = read_npy(folder_ / "owners.npy");
+    for (const float owner : owners.values) faulty.owners.push_back(static_cast<int>(owner));
+    const nlohmann::json truth = read_json(folder_ / "faults.json");
+    for (const auto& entry : truth["faults"]) {
+      if (entry["kind"] != "swap") continue;
+      Fault swap{Fault::Kind::swap, entry["first"], entry["last"], {}};
+      for (const std::string label : entry["markers"]) swap.markers.push_back(faulty.take.find(label));
+      faulty.faults.push_back(swap);
+    }
+    return faulty;
+  }
+  static std::filesystem::path folder_;
+};
+std::filesystem::path FaultFiles::folder_;
+
+TEST_F(FaultFiles, SayWhatWasDone) {
+  const nlohmann::json truth = read_json(folder_ / "faults.json");
+  for (const char* kind : {"swap", "stray phantom", "fragment", "spike", "dropout", "held"}) {
+    const auto of_kind = [&](const auto& entry) { return entry["kind"] == kind; };
+    EXPECT_GT(std::ranges::count_if(truth["faults"], of_kind), 0) << kind;
+  }
+  EXPECT_EQ(truth["slip"]["marker"].get<std::string>().rfind("JIG", 0), 0U);
+  EXPECT_EQ(mocap::read_take(folder_ / "recorded.c3d").markers(), 102);
+}
+
+TEST_F(FaultFiles, LabelsAreRepairedFromTheFilesAlone) {
+  const FaultyTake faulty = read();
+  ASSERT_EQ(faulty.owners.size(), faulty.take.present.size());
+  const LabelScore before = score_labels(faulty, faulty.take);
+  const LabelScore after = score_labels(faulty, mocap::repair_labels(faulty.take).take);
+  EXPECT_LT(static_cast<double>(before.right), 0.992 * static_cast<double>(before.samples));
+  // Above what is asked of a repair at a third of these faults.
+  EXPECT_GT(static_cast<double>(after.right), 0.999 * static_cast<double>(after.samples));
+  EXPECT_GT(static_cast<double>(after.right_in_swaps), 0.98 * static_cast<double>(after.samples_in_swaps));
 }
 
 }  // namespace
