@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "core/error.h"
@@ -16,19 +17,52 @@ namespace vultus::mocap {
 
 namespace {
 
-constexpr int kTriples = 40;
+constexpr std::size_t kTriples = 40;
+constexpr int kLeastTriples = 6;  // a rival pose needs its chance, too: some of its markers are missing
 constexpr int kNeighbours = 6;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Markers near a place count more than those just within the gate.
-double closeness(const RigidBody& layout, const Eigen::VectorXd& gate, const Points& points, const Similarity& pose) {
-  double sum = 0.0;
-  for (Eigen::Index m = 0; m < layout.positions.rows(); ++m) {
-    const Eigen::RowVector3d at = (pose * Eigen::Vector3d(layout.positions.row(m))).transpose();
-    sum += std::max(0.0, 1.0 - (points.rowwise() - at).rowwise().squaredNorm().minCoeff() / (gate[m] * gate[m]));
+/// How near the markers are to points under a pose, 1 for each that is on one: a hash of cells twice as wide as the
+/// widest gate holds the points, so that only those around a marker are looked at.
+class Closeness {
+ public:
+  Closeness(const RigidBody& layout, const Eigen::VectorXd& gate, const Points& points)
+      : layout_(layout), gate_(gate), points_(points), cell_(2.0 * gate.maxCoeff()) {
+    for (int i = 0; i < points.rows(); ++i) cells_[key(cell_of(points.row(i)))].push_back(i);
   }
-  return sum;
-}
+
+  double operator()(const Similarity& pose) const {
+    double sum = 0.0;
+    for (Eigen::Index m = 0; m < layout_.positions.rows(); ++m) {
+      const double gate2 = gate_[m] * gate_[m];
+      sum += 1.0 - std::min(1.0, nearest2(pose * Eigen::Vector3d(layout_.positions.row(m))) / gate2);
+    }
+    return sum;
+  }
+
+ private:
+  using Cell = Eigen::Array<std::int64_t, 3, 1>;
+  Cell cell_of(const Eigen::Vector3d& p) const { return (p.array() / cell_).floor().cast<std::int64_t>(); }
+  /// Cells that share a key only cost time.
+  static std::uint64_t key(const Cell& c) {
+    return static_cast<std::uint64_t>((c[0] * 73856093) ^ (c[1] * 19349663) ^ (c[2] * 83492791)) & 4095U;
+  }
+  double nearest2(const Eigen::Vector3d& p) const {
+    double least = std::numeric_limits<double>::infinity();
+    const Cell low = cell_of(p.array() - 0.5 * cell_);
+    // Whatever is within half a cell, the widest gate, is in these eight.
+    for (int corner = 0; corner < 8; ++corner)
+      for (const int i : cells_[key(low + Cell(corner & 1, (corner >> 1) & 1, corner >> 2))])
+        least = std::min(least, (points_.row(i).transpose() - p).squaredNorm());
+    return least;
+  }
+
+  const RigidBody& layout_;
+  const Eigen::VectorXd& gate_;
+  const Points& points_;
+  double cell_;
+  std::vector<std::vector<int>> cells_ = std::vector<std::vector<int>>(4096);
+};
 
 /// Where each marker is expected, in layout coordinates: moved by the median displacement of its nearest seen
 /// neighbours.
@@ -61,20 +95,154 @@ Points matched_rows(const Points& points, const std::vector<int>& match) {
   return rows;
 }
 
-/// One-to-one; each marker may stay without a point at the price of a point on its gate.
-std::vector<int> assigned(const Points& expected, const Eigen::VectorXd& gate, const Points& points) {
-  const Eigen::Index n = expected.rows(), count = points.rows();
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Ones(n, count + n);
-  for (Eigen::Index m = 0; m < n; ++m) {
-    cost.row(m).head(count) =
-        ((points.rowwise() - expected.row(m)).rowwise().squaredNorm() / (gate[m] * gate[m])).cwiseMin(10.0).transpose();
+/// Markers and points that are within gates of each other, directly or through others.
+struct Cluster {
+  std::vector<Eigen::Index> markers;
+  std::vector<int> points;
+};
+
+/// Gates are narrower than the distances between markers, so that clusters are small.
+std::vector<Cluster> clusters(const std::vector<std::vector<int>>& near, Eigen::Index points) {
+  std::vector<std::vector<Eigen::Index>> markers_of(static_cast<std::size_t>(points));
+  for (std::size_t m = 0; m < near.size(); ++m)
+    for (const int p : near[m]) markers_of[static_cast<std::size_t>(p)].push_back(static_cast<Eigen::Index>(m));
+  std::vector<std::uint8_t> marker_taken(near.size(), 0), point_taken(markers_of.size(), 0);
+  std::vector<Cluster> found;
+  for (std::size_t seed = 0; seed < near.size(); ++seed) {
+    if (marker_taken[seed]++ || near[seed].empty()) continue;
+    Cluster cluster{{static_cast<Eigen::Index>(seed)}, {}};
+    for (std::size_t i = 0; i < cluster.markers.size(); ++i) {
+      for (const int p : near[static_cast<std::size_t>(cluster.markers[i])]) {
+        if (point_taken[static_cast<std::size_t>(p)]++) continue;
+        cluster.points.push_back(p);
+        for (const Eigen::Index m : markers_of[static_cast<std::size_t>(p)])
+          if (!marker_taken[static_cast<std::size_t>(m)]++) cluster.markers.push_back(m);
+      }
+    }
+    found.push_back(std::move(cluster));
   }
-  std::vector<int> match = least_cost_assignment(cost);
-  for (Eigen::Index m = 0; m < n; ++m) {
-    int& point = match[static_cast<std::size_t>(m)];
-    if (point >= count || cost(m, point) >= 1.0) point = -1;
+  return found;
+}
+
+/// One-to-one; each marker may stay without a point at the price of a point on its gate, so that each cluster can be
+/// settled by itself.
+std::vector<int> assigned(const Points& expected, const Eigen::VectorXd& gate, const Points& points) {
+  const auto cost = [&](Eigen::Index m, int p) {
+    return (points.row(p) - expected.row(m)).squaredNorm() / (gate[m] * gate[m]);
+  };
+  std::vector<std::vector<int>> near(static_cast<std::size_t>(expected.rows()));
+  for (Eigen::Index m = 0; m < expected.rows(); ++m)
+    for (int p = 0; p < points.rows(); ++p)
+      if (cost(m, p) < 1.0) near[static_cast<std::size_t>(m)].push_back(p);
+  std::vector<int> match(near.size(), -1);
+  for (const Cluster& cluster : clusters(near, points.rows())) {
+    const auto rows = static_cast<Eigen::Index>(cluster.markers.size());
+    const auto count = static_cast<Eigen::Index>(cluster.points.size());
+    Eigen::MatrixXd costs = Eigen::MatrixXd::Ones(rows, count + rows);
+    for (Eigen::Index i = 0; i < rows; ++i)
+      for (Eigen::Index k = 0; k < count; ++k)
+        costs(i, k) = std::min(
+            1.0, cost(cluster.markers[static_cast<std::size_t>(i)], cluster.points[static_cast<std::size_t>(k)]));
+    const std::vector<int> column = least_cost_assignment(costs);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const int k = column[static_cast<std::size_t>(i)];
+      if (k < count && costs(i, k) < 1.0)
+        match[static_cast<std::size_t>(cluster.markers[static_cast<std::size_t>(i)])] =
+            cluster.points[static_cast<std::size_t>(k)];
+    }
   }
   return match;
+}
+
+double cost_of(const RigidBody& layout, const Eigen::VectorXd& gate, const Points& points, const LayoutFit& fit) {
+  double sum = 0.0;
+  for (Eigen::Index m = 0; m < layout.positions.rows(); ++m) {
+    const int p = fit.points[static_cast<std::size_t>(m)];
+    const Eigen::Vector3d at = fit.world_from_layout * Eigen::Vector3d(layout.positions.row(m));
+    sum += p < 0 ? 1.0 : std::min(1.0, (points.row(p).transpose() - at).squaredNorm() / (gate[m] * gate[m]));
+  }
+  return sum;
+}
+
+struct Candidate {
+  Similarity pose;
+  double closeness;
+};
+
+/// The best of each pose, clearest first.
+class Candidates {
+ public:
+  Candidates(const RigidBody& layout, const Eigen::VectorXd& gate)
+      : layout_(layout), apart_(1.5 * quantile(gate, 0.5)) {}
+
+  double least() const { return found_.size() < kPoses ? 0.0 : found_.back().closeness; }
+  const std::vector<Candidate>& found() const { return found_; }
+
+  void add(const Candidate& candidate) {
+    if (candidate.closeness <= least()) return;
+    for (const Candidate& other : found_)
+      if (same(candidate.pose, other.pose) && other.closeness >= candidate.closeness) return;
+    std::erase_if(found_, [&](const Candidate& other) { return same(candidate.pose, other.pose); });
+    const auto place = std::find_if(found_.begin(), found_.end(),
+                                    [&](const Candidate& other) { return other.closeness < candidate.closeness; });
+    found_.insert(place, candidate);
+    if (found_.size() > kPoses) found_.pop_back();
+  }
+
+  /// Whether the poses put most markers at about the same places.
+  bool same(const Similarity& a, const Similarity& b) const {
+    const Points apart = transformed(a, layout_.positions) - transformed(b, layout_.positions);
+    return apart.rowwise().squaredNorm().mean() < apart_ * apart_;
+  }
+
+ private:
+  static constexpr std::size_t kPoses = 6;
+  const RigidBody& layout_;
+  double apart_;  // mm RMS
+  std::vector<Candidate> found_;
+};
+
+struct Triple {
+  Eigen::Index a, b, c;
+  double ab, ac, bc;
+};
+
+/// Steady markers far apart and not in a line, in the order in which a seeded choice finds them.
+std::vector<Triple> spread_triples(const RigidBody& layout) {
+  const auto n = static_cast<int>(layout.positions.rows());
+  const double steady = quantile(layout.deviations, 0.5), least = 0.2 * bounds(layout.positions).diagonal();
+  Random random(20110815);
+  std::vector<Triple> triples;
+  for (int attempt = 0; attempt < 4000 && triples.size() < kTriples; ++attempt) {
+    const int a = random.below(n), b = random.below(n), c = random.below(n);
+    if (std::max({layout.deviations[a], layout.deviations[b], layout.deviations[c]}) > steady) continue;
+    const auto apart = [&](int p, int q) { return (layout.positions.row(p) - layout.positions.row(q)).norm(); };
+    const Triple t{a, b, c, apart(a, b), apart(a, c), apart(b, c)};
+    const double longest = std::max({t.ab, t.ac, t.bc});
+    if (std::min({t.ab, t.ac, t.bc}) < least || t.ab + t.ac + t.bc - 2.0 * longest < 0.2 * least) continue;
+    triples.push_back(t);
+  }
+  return triples;
+}
+
+/// Tries every triple of points with the distances of `t`.
+void try_triple(const RigidBody& layout, const Triple& t, const Points& points, const Eigen::MatrixXd& between,
+                const Closeness& closeness, Candidates& candidates) {
+  const double near = std::clamp(3.0 * quantile(layout.deviations, 0.5), 1.0, 5.0);
+  const auto count = points.rows();
+  Points source(3, 3), target(3, 3);
+  source << layout.positions.row(t.a), layout.positions.row(t.b), layout.positions.row(t.c);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      if (std::abs(between(i, j) - t.ab) > near) continue;
+      for (Eigen::Index k = 0; k < count; ++k) {
+        if (std::abs(between(k, i) - t.ac) > near || std::abs(between(k, j) - t.bc) > near) continue;
+        target << points.row(i), points.row(j), points.row(k);
+        const Similarity pose = fit_similarity(source, target, Scaling::fixed);
+        candidates.add({pose, closeness(pose)});
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -121,7 +289,9 @@ Eigen::VectorXd gates(const RigidBody& layout) {
 std::optional<LayoutFit> match_layout(const RigidBody& layout, const Points& points, const Similarity& start,
                                       const std::vector<int>& known) {
   const Eigen::VectorXd gate = gates(layout);
-  LayoutFit fit{start, known, 0};
+  LayoutFit fit;
+  fit.world_from_layout = start;
+  fit.points = known;
   for (int round = 0; round < 4; ++round) {
     const Similarity back = fit.world_from_layout.inverse();
     const Points in_layout = transformed(back, points);
@@ -136,47 +306,35 @@ std::optional<LayoutFit> match_layout(const RigidBody& layout, const Points& poi
     if (settled) break;
   }
   fit.matched = static_cast<int>(std::count_if(fit.points.begin(), fit.points.end(), [](int p) { return p >= 0; }));
+  fit.cost = cost_of(layout, gate, points, fit);
   return fit;
 }
 
 std::optional<LayoutFit> align_layout(const RigidBody& layout, const Points& points) {
   const auto n = static_cast<int>(layout.positions.rows()), count = static_cast<int>(points.rows());
   const Eigen::VectorXd gate = gates(layout);
-  const double steady = quantile(layout.deviations, 0.5), least = 0.2 * bounds(layout.positions).diagonal();
   Eigen::MatrixXd between(count, count);
   for (int i = 0; i < count; ++i) between.row(i) = (points.rowwise() - points.row(i)).rowwise().norm().transpose();
-  Random random(20110815);
-  Similarity best;
-  double best_closeness = 0.0;
+  const Closeness closeness(layout, gate, points);
+  Candidates candidates(layout, gate);
   int tried = 0;
-  for (int attempt = 0; attempt < 4000 && tried < kTriples; ++attempt) {
-    const int a = random.below(n), b = random.below(n), c = random.below(n);
-    if (std::max({layout.deviations[a], layout.deviations[b], layout.deviations[c]}) > steady) continue;
-    const auto apart = [&](int p, int q) { return (layout.positions.row(p) - layout.positions.row(q)).norm(); };
-    const double ab = apart(a, b), ac = apart(a, c), bc = apart(b, c);
-    if (std::min({ab, ac, bc}) < least || ab + ac + bc - 2.0 * std::max({ab, ac, bc}) < 0.2 * least) continue;
-    ++tried;
-    const double near = std::clamp(3.0 * steady, 1.0, 5.0);
-    Points source(3, 3), target(3, 3);
-    source << layout.positions.row(a), layout.positions.row(b), layout.positions.row(c);
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < count; ++j) {
-        if (std::abs(between(i, j) - ab) > near) continue;
-        for (int k = 0; k < count; ++k) {
-          if (std::abs(between(i, k) - ac) > near || std::abs(between(j, k) - bc) > near) continue;
-          target << points.row(i), points.row(j), points.row(k);
-          const Similarity pose = fit_similarity(source, target, Scaling::fixed);
-          const double sum = closeness(layout, gate, points, pose);
-          if (sum <= best_closeness) continue;
-          best_closeness = sum;
-          best = pose;
-        }
-      }
-    }
-    if (best_closeness > 0.85 * std::min(n, count)) break;
+  for (const Triple& triple : spread_triples(layout)) {
+    try_triple(layout, triple, points, between, closeness, candidates);
+    const bool clear = !candidates.found().empty() && candidates.found().front().closeness > 0.85 * std::min(n, count);
+    if (++tried >= kLeastTriples && clear) break;
   }
-  if (best_closeness == 0.0) return {};
-  return match_layout(layout, points, best);
+  std::vector<LayoutFit> fits;
+  for (const Candidate& candidate : candidates.found())
+    if (auto fit = match_layout(layout, points, candidate.pose)) fits.push_back(std::move(*fit));
+  if (fits.empty()) return {};
+  std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  // Refinement may have brought two poses together.
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    if (candidates.same(fits[0].world_from_layout, fits[i].world_from_layout)) continue;
+    fits[0].rival_cost = fits[i].cost;
+    break;
+  }
+  return fits[0];
 }
 
 }  // namespace vultus::mocap
