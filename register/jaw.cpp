@@ -184,14 +184,20 @@ struct Rim {
   Eigen::Vector3d place;
 };
 
+// What a gape says of the lips.
+struct LipMotion {
+  Eigen::Vector3d lift = Eigen::Vector3d::Zero();  // of the upper one
+  Eigen::Vector3d roll = Eigen::Vector3d::Zero();  // of the lower one against the jaw
+  Similarity jaw;
+};
+
 // Whether a point that pictures gave lies where skull and jaw would have it.
-bool agrees(int ibug, const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& lift,
-            const Similarity& jaw) {
+bool agrees(int ibug, const Eigen::Vector3d& from, const Eigen::Vector3d& to, const LipMotion& lips) {
   if (is_contour(ibug) || ibug >= 60) return false;  // an outline; and rims, which shape shows better
   if (ibug < 48) return true;
-  if (ibug >= 55) return (jaw * from - to).norm() < 10.0;
-  if (ibug == 48 || ibug == 54) return (0.5 * (jaw * from + from) - to).norm() < 10.0;
-  return (from + lift - to).norm() < 8.0;
+  if (ibug >= 55) return (lips.jaw * from + lips.roll - to).norm() < 5.0;
+  if (ibug == 48 || ibug == 54) return (0.5 * (lips.jaw * from + from) - to).norm() < 10.0;
+  return (from + lips.lift - to).norm() < 8.0;
 }
 
 void add(const Rim& rim, const Ibug68& ibug, Anchors& anchors) {
@@ -231,17 +237,20 @@ Anchors agreeing_anchors(const Template& head, const Anchors& anchors, const Poi
   if (!jaw.gape || !head.ibug68) return anchors;
   const Ibug68& ibug = *head.ibug68;
   std::array<Rim, 6> rims;
-  Eigen::Vector3d lift = Eigen::Vector3d::Zero();  // of the upper lip
+  LipMotion lips;
+  lips.jaw = jaw.motion;
   for (int i = 0; i < 3; ++i) {
     rims[i] = {61 + i, jaw.gape->upper[i]};
     rims[3 + i] = {67 - i, jaw.gape->lower[i]};
-    lift += (jaw.gape->upper[i] - rest.row(ibug[61 + i]).transpose()) / 3.0;
+    const Eigen::Vector3d upper = rest.row(ibug[61 + i]), lower = rest.row(ibug[67 - i]);
+    lips.lift += (jaw.gape->upper[i] - upper) / 3.0;
+    lips.roll += (jaw.gape->lower[i] - jaw.motion * lower) / 3.0;
   }
   std::vector<int> rows;
   for (int i = 0; i < anchors.size(); ++i) {
     const auto point = ibug_index(anchors.names[i]);
     if (!point || anchors.confidence[i] >= 1.0 ||
-        agrees(*point, rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), lift, jaw.motion))
+        agrees(*point, rest.row(anchors.vertices[i]).transpose(), anchors.targets.row(i).transpose(), lips))
       rows.push_back(i);
   }
   Anchors kept = anchors.at(rows);

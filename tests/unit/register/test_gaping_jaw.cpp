@@ -148,12 +148,7 @@ TEST(GapingJaw, FoundPointsThatDisagreeAreLeftOut) {
   }
   Anchors anchors = none();
   const auto add = [&](int ibug, const Eigen::Vector3d& target, double confidence) {
-    anchors.names.push_back(ibug_name(ibug));
-    anchors.vertices.push_back((*head.ibug68)[ibug]);
-    anchors.targets.conservativeResize(anchors.size(), 3);
-    anchors.targets.row(anchors.size() - 1) = target;
-    anchors.confidence.conservativeResize(anchors.size());
-    anchors.confidence[anchors.size() - 1] = confidence;
+    anchors.add(ibug_name(ibug), (*head.ibug68)[ibug], target, confidence);
   };
   const Eigen::Vector3d lip = rest.positions.row((*head.ibug68)[57]), corner = rest.positions.row((*head.ibug68)[48]);
   add(57, lip, 0.6);                                   // left where it was by a finder that saw a closed mouth
@@ -165,6 +160,29 @@ TEST(GapingJaw, FoundPointsThatDisagreeAreLeftOut) {
   EXPECT_LT((kept.targets.row(6).transpose() - jaw.gape->lower[1]).norm(), 1e-12);
   jaw.gape.reset();
   EXPECT_EQ(agreeing_anchors(head, anchors, rest.positions, jaw).names, anchors.names);
+}
+
+TEST(GapingJaw, LowerLipIsJudgedByItsOwnRim) {
+  const Mesh rest = whole_face();
+  const Template head = named(rest);
+  const Eigen::Vector3d roll(0, 6, 3);  // drawn up against the teeth while the jaw falls
+  JawOpening jaw;
+  jaw.motion = opening();
+  jaw.gape.emplace();
+  for (int i = 0; i < 3; ++i) {
+    jaw.gape->upper[i] = rest.positions.row((*head.ibug68)[61 + i]);
+    jaw.gape->lower[i] = jaw.motion * Eigen::Vector3d(rest.positions.row((*head.ibug68)[67 - i])) + roll;
+  }
+  Anchors anchors = none();
+  const auto add = [&](int ibug, const Eigen::Vector3d& off) {
+    const int vertex = (*head.ibug68)[ibug];
+    anchors.add(ibug_name(ibug), vertex, jaw.motion * Eigen::Vector3d(rest.positions.row(vertex)) + off, 0.6);
+  };
+  add(56, roll + Eigen::Vector3d(2, 1, 0));
+  add(57, Eigen::Vector3d(0, -2, -2));  // where a lip that goes along with the jaw would be, and below
+  const Anchors kept = agreeing_anchors(head, anchors, rest.positions, jaw);
+  EXPECT_EQ(kept.names.front(), "ibug.56");
+  EXPECT_EQ(std::count(kept.names.begin(), kept.names.end(), "ibug.57"), 0);
 }
 
 }  // namespace
