@@ -1,5 +1,7 @@
 #include "mocap/clean.h"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "core/error.h"
@@ -36,7 +38,7 @@ std::vector<double> missing_shares(const Take& take) {
   return shares;
 }
 
-CleanReport report_of(const Take& raw, const std::vector<std::string>& labelling, const Stabilized& head) {
+CleanReport report_of(const Take& raw, const Relabelled& labelling, const Stabilized& head) {
   CleanReport report;
   report.take = raw.name;
   report.rate_hz = raw.rate_hz;
@@ -48,8 +50,10 @@ CleanReport report_of(const Take& raw, const std::vector<std::string>& labelling
     report.head_residuals.push_back(pose.kind == HeadPose::Kind::measured ? pose.rms
                                                                           : std::numeric_limits<double>::quiet_NaN());
   }
+  report.slips = head.slips;
+  std::ranges::copy_if(labelling.edits.edits, std::back_inserter(report.label_edits), &LabelEdit::applied);
   report.decisions = raw.decisions;
-  append(report.decisions, labelling);
+  append(report.decisions, labelling.decisions);
   append(report.decisions, head.decisions);
   return report;
 }
@@ -104,7 +108,7 @@ Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) 
   repaired.take = {};
   progress.advance();
   progress.check();
-  CleanReport report = report_of(raw, repaired.decisions, head);
+  CleanReport report = report_of(raw, repaired, head);
   note_repeats(repeats, labels, report);
   Take steady = std::move(head.take), measured;
   if (options.keep_measured) measured = steady;

@@ -47,6 +47,8 @@ struct CleanReport {
   std::vector<Gap> gaps;
   std::vector<Spike> spikes;
   std::vector<RepeatNote> repeats;
+  std::vector<LabelEdit> label_edits;  ///< those applied; frames as read, before doubled ones were taken out
+  std::vector<JigSlip> slips;
   std::vector<std::string> head_markers;
   std::vector<double> head_deviations;  ///< mm, one a head marker
   std::vector<double> head_residuals;   ///< mm RMS, one a frame; NaN without a measured pose

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "mocap/clean.h"
+#include "mocap/label_edits_json.h"
 
 namespace vultus::mocap {
 
@@ -70,12 +71,21 @@ void read_runs(const Json& runs, std::size_t marker, CleanReport& report) {
   }
 }
 
-CleanReport parsed(const Json& json) {
-  CleanReport report;
-  report.take = json.at("take").get<std::string>();
-  report.rate_hz = json.at("rate_hz").get<double>();
-  report.decisions = json.at("decisions").get<std::vector<std::string>>();
-  const Json& head = json.at("head");
+Json head_json(const CleanReport& report) {
+  Json head = {
+      {"method", report.head_method}, {"markers", report.head_markers}, {"deviations_mm", report.head_deviations},
+      {"rms_mm", report.head_rms},    {"residuals_mm", Json::array()},  {"slips", Json::array()}};
+  for (const double value : report.head_residuals) head["residuals_mm"].push_back(number_or_null(value));
+  for (const JigSlip& slip : report.slips) {
+    head["slips"].push_back({{"marker", slip.label},
+                             {"frame", slip.frame},
+                             {"settled", slip.settled < 0 ? Json(nullptr) : Json(slip.settled)},
+                             {"distance_mm", rounded(slip.distance)}});
+  }
+  return head;
+}
+
+void read_head(const Json& head, CleanReport& report) {
   report.head_method = head.at("method").get<std::string>();
   report.head_markers = head.at("markers").get<std::vector<std::string>>();
   report.head_deviations = head.at("deviations_mm").get<std::vector<double>>();
@@ -83,6 +93,19 @@ CleanReport parsed(const Json& json) {
   for (const Json& value : head.at("residuals_mm")) {
     report.head_residuals.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
   }
+  for (const Json& slip : head.value("slips", Json::array())) {
+    const Json& settled = slip.at("settled");
+    report.slips.push_back({slip.at("marker").get<std::string>(), slip.at("frame").get<int>(),
+                            settled.is_null() ? -1 : settled.get<int>(), slip.at("distance_mm").get<double>()});
+  }
+}
+
+CleanReport parsed(const Json& json) {
+  CleanReport report;
+  report.take = json.at("take").get<std::string>();
+  report.rate_hz = json.at("rate_hz").get<double>();
+  report.decisions = json.at("decisions").get<std::vector<std::string>>();
+  read_head(json.at("head"), report);
   const auto frames = json.at("frames").get<std::size_t>();
   for (const Json& marker : json.at("markers")) {
     report.labels.push_back(marker.at("label").get<std::string>());
@@ -109,6 +132,7 @@ CleanReport parsed(const Json& json) {
     report.repeats.push_back({kind_named(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
                               repeat.at("first").get<int>(), repeat.at("last").get<int>()});
   }
+  for (const Json& edit : json.value("label_edits", Json::array())) report.label_edits.push_back(edit_of(edit));
   return report;
 }
 
@@ -126,12 +150,7 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
                {"rate_hz", report.rate_hz},
                {"frames", report.head_residuals.size()},
                {"decisions", report.decisions}};
-  json["head"] = {{"method", report.head_method},
-                  {"markers", report.head_markers},
-                  {"deviations_mm", report.head_deviations},
-                  {"rms_mm", report.head_rms},
-                  {"residuals_mm", Json::array()}};
-  for (const double value : report.head_residuals) json["head"]["residuals_mm"].push_back(number_or_null(value));
+  json["head"] = head_json(report);
   json["markers"] = Json::array();
   for (std::size_t m = 0; m < report.labels.size(); ++m) {
     json["markers"].push_back({{"label", report.labels[m]},
@@ -156,6 +175,8 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
     json["repeats"].push_back(
         {{"what", name_of(repeat.kind)}, {"marker", repeat.marker}, {"first", repeat.first}, {"last", repeat.last}});
   }
+  json["label_edits"] = Json::array();
+  for (const LabelEdit& edit : report.label_edits) json["label_edits"].push_back(json_of(edit));
   write_json(file, json);
 }
 
@@ -165,7 +186,7 @@ CleanReport read_samples(const std::filesystem::path& file) {
     return parsed(json);
   } catch (const Json::exception& problem) {
     throw InputError(file, problem.what());
-  } catch (const InputError& problem) {
+  } catch (const Error& problem) {
     throw InputError(file, problem.what());
   }
 }

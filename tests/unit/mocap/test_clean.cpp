@@ -156,7 +156,10 @@ TEST_F(Clean, ChainOnACapturedTake) {
 
 TEST_F(Clean, SamplesFileKeepsTheReport) {
   Take truth;
-  const CleanReport report = clean(captured(&truth), plain_gaps()).report;
+  CleanReport report = clean(captured(&truth), plain_gaps()).report;
+  report.slips = {{"jig2", 120, 135, 2.5}, {"jig3", 300, -1, 4.0}};
+  report.label_edits = {{LabelEdit::Kind::swap, {{10, 20, "f1", "f2"}, {10, 20, "f2", "f1"}}, 0.9, "near", true},
+                        {LabelEdit::Kind::phantom, {{30, 34, "f3", ""}}, 0.5, "far", true}};
   write_samples(folder / "samples.json", report);
   const CleanReport read = read_samples(folder / "samples.json");
   EXPECT_EQ(read.take, report.take);
@@ -174,6 +177,30 @@ TEST_F(Clean, SamplesFileKeepsTheReport) {
     ASSERT_NEAR(read.expected_errors[i], report.expected_errors[i], 1e-3);
   }
   EXPECT_EQ(read.spikes.size(), report.spikes.size());
+  ASSERT_EQ(read.slips.size(), 2U);
+  EXPECT_EQ(read.slips[0].label, "jig2");
+  EXPECT_EQ(read.slips[0].settled, 135);
+  EXPECT_EQ(read.slips[1].settled, -1);
+  ASSERT_EQ(read.label_edits.size(), 2U);
+  EXPECT_EQ(read.label_edits[0].moves[1].to, "f1");
+  EXPECT_EQ(read.label_edits[1].kind, LabelEdit::Kind::phantom);
+  EXPECT_TRUE(read.label_edits[1].moves[0].to.empty());
+}
+
+TEST_F(Clean, TheReportListsEditsAndSlips) {
+  Take truth;
+  Take raw = captured(&truth);
+  for (int f = 300; f < raw.frames(); ++f) raw.set(f, 1, raw.at(f, 1) + Eigen::Vector3d(0, 3, 0));  // a jig marker slips
+  CleanOptions options = plain_gaps();
+  options.label_edits.emplace();
+  options.label_edits->edits = {{LabelEdit::Kind::phantom, {{40, 44, "f2", ""}}, 1.0, "by hand", true},
+                                {LabelEdit::Kind::phantom, {{50, 54, "f2", ""}}, 1.0, "refused", false}};
+  const CleanReport report = clean(raw, options).report;
+  ASSERT_EQ(report.label_edits.size(), 1U);
+  EXPECT_EQ(report.label_edits[0].why, "by hand");
+  EXPECT_NE(report.origins[static_cast<std::size_t>(42) * report.labels.size() + 1], Origin::measured);
+  ASSERT_FALSE(report.slips.empty());
+  EXPECT_NEAR(report.slips[0].frame, 300, 2);
 }
 
 TEST_F(Clean, DamagedSamplesAreRefused) {
