@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "register/face_axes.h"
 #include "register/seals.h"
 
 namespace vultus::registration {
@@ -21,10 +22,8 @@ class Eye {
     const int inner = right ? 39 : 42, outer = right ? 36 : 45;
     const int left_end = right ? inner : outer, right_end = right ? outer : inner;  // the subject's sides
     const double width = (point(inner) - point(outer)).norm();
-    across_ = (point(left_end) - point(right_end)).normalized();
-    front_ = across_.cross(point(27) - point(33)).normalized();
-    up_ = front_.cross(across_);
-    centre_ = 0.5 * (point(inner) + point(outer)) - 0.4 * width * front_;
+    axes_ = face_axes(point(left_end) - point(right_end), point(27) - point(33));
+    centre_ = 0.5 * (point(inner) + point(outer)) - 0.4 * width * axes_.front;
     reach_ = width;
     for (const int corner : {left_end, right_end}) add(ibug[corner], ibug[corner]);
     for (const auto& [upper, lower] : rims) add(upper, lower);
@@ -39,11 +38,11 @@ class Eye {
   std::optional<Way> closed(int v) const {
     const Eigen::Vector3d arm = rest_.row(v).transpose() - centre_;
     if (arm.norm() > reach_) return {};
-    const auto right = std::upper_bound(rims_.begin(), rims_.end(), arm.dot(across_),
+    const auto right = std::upper_bound(rims_.begin(), rims_.end(), arm.dot(axes_.across),
                                         [](double x, const Rims& rims) { return x < rims.x; });
     if (right == rims_.begin() || right == rims_.end()) return {};
     const Rims &a = *(right - 1), &b = *right;
-    const double t = (arm.dot(across_) - a.x) / std::max(1e-9, b.x - a.x);
+    const double t = (arm.dot(axes_.across) - a.x) / std::max(1e-9, b.x - a.x);
     const double upper = (1 - t) * a.upper + t * b.upper, lower = (1 - t) * a.lower + t * b.lower;
     const double opening = upper - lower, height = elevation(arm);
     if (opening <= 0.0) return {};
@@ -51,7 +50,7 @@ class Eye {
     const double beyond = std::max(0.0, above ? height - upper : lower - height) / (following * opening);
     if (beyond >= 1.0) return {};
     const double turn = (1.0 - beyond * beyond) * opening * (above ? -(1.0 - meeting) : meeting);
-    return Way{centre_ + Eigen::AngleAxisd(-turn, across_) * arm, beyond == 0.0};
+    return Way{centre_ + Eigen::AngleAxisd(-turn, axes_.across) * arm, beyond == 0.0};
   }
 
   // `place` no farther from the eye's middle than the scan's skin.
@@ -66,14 +65,15 @@ class Eye {
   struct Rims {
     double x, upper, lower;  // mm; radians
   };
-  double elevation(const Eigen::Vector3d& arm) const { return std::atan2(arm.dot(up_), arm.dot(front_)); }
+  double elevation(const Eigen::Vector3d& arm) const { return std::atan2(arm.dot(axes_.up), arm.dot(axes_.front)); }
   void add(int upper, int lower) {
     const Eigen::Vector3d a = rest_.row(upper).transpose() - centre_, b = rest_.row(lower).transpose() - centre_;
-    rims_.push_back({0.5 * (a + b).dot(across_), elevation(a), elevation(b)});
+    rims_.push_back({0.5 * (a + b).dot(axes_.across), elevation(a), elevation(b)});
   }
 
   const Points& rest_;
-  Eigen::Vector3d centre_, across_, up_, front_;  // across points to the subject's left
+  FaceAxes axes_;
+  Eigen::Vector3d centre_;
   double reach_ = 0.0;
   std::vector<Rims> rims_;
 };

@@ -8,6 +8,7 @@
 
 #include "core/neighbours.h"
 #include "core/statistics.h"
+#include "register/face_axes.h"
 
 namespace vultus::registration {
 namespace {
@@ -28,18 +29,16 @@ std::vector<int> jaw_front(const Ibug68& ibug, const Topology& topology, const P
   constexpr double half_at_lip = 0.3, half_at_chin = 0.6;  // of the mouth's width
   constexpr double under = 4.0;                            // mm that the chin reaches below its point
   auto point = [&](int i) -> Eigen::Vector3d { return rest.row(ibug[i]).transpose(); };
-  const Eigen::Vector3d across = (point(16) - point(0)).normalized();
-  Eigen::Vector3d up = point(27) - point(8);
-  up = (up - across * across.dot(up)).normalized();
+  const FaceAxes axes = face_axes(point(16) - point(0), point(27) - point(8));
   const Eigen::Vector3d lip = point(57);
-  const double length = up.dot(lip - point(8)), width = (point(54) - point(48)).norm();
+  const double length = axes.up.dot(lip - point(8)), width = (point(54) - point(48)).norm();
   std::vector<bool> inside(rest.rows(), false);
   for (int v = 0; v < rest.rows(); ++v) {
     if (!fitted[v]) continue;
     const Eigen::Vector3d from_lip = rest.row(v).transpose() - lip;
-    const double down = -up.dot(from_lip);
+    const double down = -axes.up.dot(from_lip);
     const double half = half_at_lip + (half_at_chin - half_at_lip) * std::clamp(down / length, 0.0, 1.0);
-    inside[v] = down < length + under && std::abs(across.dot(from_lip)) < half * width;
+    inside[v] = down < length + under && std::abs(axes.across.dot(from_lip)) < half * width;
   }
   const Adjacency neighbours = adjacency(topology);
   std::vector<int> front = {ibug[57]};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/statistics.h"
+#include "register/face_axes.h"
 
 namespace vultus::registration {
 namespace {
@@ -94,17 +95,14 @@ std::optional<MouthGape> find_gape(const Template& head, const Points& rest, con
   for (int needed : {0, 8, 16, 27, 61, 62, 63})
     if (ibug[needed] < 0) return {};
   auto point = [&](int i) -> Eigen::Vector3d { return rest.row(ibug[i]).transpose(); };
-  const Eigen::Vector3d across = (point(16) - point(0)).normalized();
-  Eigen::Vector3d up = point(27) - point(8);
-  up = (up - across * across.dot(up)).normalized();
-  const Eigen::Vector3d front = across.cross(up);
+  const FaceAxes axes = face_axes(point(16) - point(0), point(27) - point(8));
 
   MouthGape gape;
   for (int column = 0; column < 3; ++column) {
     const Eigen::Vector3d rim = point(61 + column);
     std::vector<Eigen::Vector3d> upper, lower;
     for (double aside : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
-      const auto edges = edges_on(look_along(rays, rim + aside * across, up, front));
+      const auto edges = edges_on(look_along(rays, rim + aside * axes.across, axes.up, axes.front));
       if (!edges || edges->width < least || (edges->upper - rim).norm() > farthest) continue;
       upper.push_back(edges->upper);
       lower.push_back(edges->lower);

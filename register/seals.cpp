@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/statistics.h"
+#include "register/face_axes.h"
 
 namespace vultus::registration {
 namespace {
@@ -142,10 +143,8 @@ std::optional<double> aperture(const std::vector<double>& height) {
 double lid_gap_of(const Face& face, const Eye& eye, const ScanSurface& scan) {
   const Eigen::Vector3d middle = 0.5 * (face(eye.inner) + face(eye.outer));
   const double width = (face(eye.inner) - face(eye.outer)).norm();
-  Eigen::Vector3d across = (face(45) - face(36)).normalized();
-  Eigen::Vector3d up = face(27) - face(33);
-  up = (up - across * across.dot(up)).normalized();
-  const Eigen::Vector3d front = across.cross(up), centre = middle - 0.4 * width * front;
+  const auto [across, up, front] = face_axes(face(45) - face(36), face(27) - face(33));
+  const Eigen::Vector3d centre = middle - 0.4 * width * front;
   const double radius = 0.75 * width, step = probe_step / radius;  // about as far as lids lie from the centre
   std::vector<double> gaps;
   for (const double turn : {-0.2, 0.0, 0.2}) {
