@@ -17,7 +17,7 @@ Anchors template_anchors(const FitInput& input) {
 }
 
 Similarity upright(const Template& head, const Points& positions, const Points& reference) {
-  const auto pose = face_axes(head, positions), model = face_axes(head, reference);
+  const auto pose = orientation_points(head, positions), model = orientation_points(head, reference);
   if (pose && model) return normalize_orientation(*pose, *model);
   return fit_similarity_robust(positions, reference, Scaling::fixed, 1.0).target_from_source;
 }

@@ -11,16 +11,16 @@ double ridge_angle(const Eigen::Vector3d& ridge) { return std::atan2(ridge.z(), 
 
 }  // namespace
 
-std::optional<FaceAxes> face_axes(const Template& head, const Points& positions) {
+std::optional<OrientationPoints> orientation_points(const Template& head, const Points& positions) {
   if (!head.ibug68) return {};
   for (int needed : {27, 30, 36, 39, 42, 45})
     if ((*head.ibug68)[needed] < 0) return {};
   auto point = [&](int i) -> Eigen::Vector3d { return positions.row((*head.ibug68)[i]).transpose(); };
-  return FaceAxes{
+  return OrientationPoints{
       0.5 * (point(36) + point(39)), 0.5 * (point(42) + point(45)), point(27), point(30), point(36), point(45)};
 }
 
-Similarity normalize_orientation(const FaceAxes& pose, const FaceAxes& model) {
+Similarity normalize_orientation(const OrientationPoints& pose, const OrientationPoints& model) {
   const Eigen::Vector3d eyes = (pose.left_eye - pose.right_eye).normalized();
   // Steps 2 and 3: about y until the line between the eyes lies in the x-y plane, about z until it lies along x.
   const double yaw = std::atan2(eyes.z(), eyes.x());
