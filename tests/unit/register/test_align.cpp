@@ -98,11 +98,11 @@ TEST_F(AlignSurface, AMovedPartDoesNotPull) {
 }
 
 TEST(Orientation, TurnsAnyPoseIntoTheModelsFrame) {
-  const FaceAxes model{{-30, 0, 20}, {30, 0, 20}, {0, 2, 28}, {0, -30, 45}, {-45, 0, 12}, {45, 0, 12}};
+  const OrientationPoints model{{-30, 0, 20}, {30, 0, 20}, {0, 2, 28}, {0, -30, 45}, {-45, 0, 12}, {45, 0, 12}};
   Similarity away = some_motion(1.0);
   away.rotation = Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, -1, 0.3).normalized()).toRotationMatrix();
-  const FaceAxes pose{away * model.right_eye, away * model.left_eye,     away * model.ridge_top,
-                      away * model.ridge_tip, away * model.right_corner, away * model.left_corner};
+  const OrientationPoints pose{away * model.right_eye, away * model.left_eye,     away * model.ridge_top,
+                               away * model.ridge_tip, away * model.right_corner, away * model.left_corner};
   const Similarity back = normalize_orientation(pose, model) * away;
   EXPECT_LT((back.rotation - Eigen::Matrix3d::Identity()).norm(), 1e-9);
   EXPECT_LT(back.translation.norm(), 1e-9);
