@@ -30,8 +30,8 @@ ExitCode clean(const Arguments& arguments, Run& run) {
       options.layout = mocap::marker_layout(mocap::read_take(arguments.labels_from, arguments.reading));
     }
   }
-  const mocap::Take raw = mocap::read_take(arguments.take, arguments.reading);
-  const mocap::Cleaned cleaned = mocap::clean(raw, options, run.progress());
+  const mocap::Cleaned cleaned =
+      mocap::clean(mocap::read_take(arguments.take, arguments.reading), options, run.progress());
   for (const std::string& line : cleaned.report.decisions) run.progress().note(line);
   mocap::write_take(arguments.out, cleaned.take);
   if (!arguments.samples.empty()) mocap::write_samples(arguments.samples, cleaned.report);

@@ -1,13 +1,14 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands.h"
+#include "mocap/clean.h"
 #include "mocap/key_poses.h"
 
 namespace vultus::apps {
 namespace {
 
 struct Arguments {
-  std::filesystem::path take, list, out;
+  std::filesystem::path take, list, samples, out;
   std::vector<std::string> poses;
   mocap::HoldOptions holds;
 };
@@ -17,14 +18,21 @@ ExitCode poses(const Arguments& arguments, Run& run) {
     throw UsageError("give the poses in the order of their performance (--poses), or a list of frames (--list)");
   }
   run.input(arguments.take);
-  const mocap::Take take = mocap::read_take(arguments.take);
+  mocap::Take take = mocap::read_take(arguments.take);
+  if (!arguments.samples.empty()) {
+    run.input(arguments.samples);
+    take.file_frames = mocap::read_samples(arguments.samples).file_frames;
+    if (!take.file_frames.empty() && take.file_frames.size() != static_cast<std::size_t>(take.frames()))
+      throw InputError(arguments.samples, "is of a take with " + std::to_string(take.file_frames.size()) + " frames; " +
+                                              arguments.take.string() + " has " + std::to_string(take.frames()));
+  }
   const mocap::KeyPoses found = arguments.list.empty() ? mocap::find_key_poses(take, arguments.poses, arguments.holds)
                                                        : mocap::key_poses(take, arguments.list);
   for (const std::string& line : found.decisions) run.progress().note(line);
   run.print("pose,first,last,spread_mm,score");
   for (std::size_t i = 0; i < found.poses.size(); ++i) {
-    run.print(found.poses[i] + "," + std::to_string(found.holds[i].first) + "," +
-              std::to_string(found.holds[i].second) + "," + std::to_string(found.spread[i]) + "," +
+    run.print(found.poses[i] + "," + std::to_string(found.file_holds[i].first) + "," +
+              std::to_string(found.file_holds[i].second) + "," + std::to_string(found.spread[i]) + "," +
               std::to_string(found.scores[i]));
   }
   if (!arguments.out.empty()) mocap::write_training(arguments.out, arguments.take.stem().string(), found);
@@ -45,6 +53,11 @@ void add_mocap_poses(CommandTable& table) {
       ->type_name("FILE");
   app.add_option("--poses", arguments->poses, "Names in the order in which they were performed")->type_name("NAME…");
   app.add_option("--list", arguments->list, "Frames by hand: training.json")->type_name("FILE.json");
+  app.add_option(
+         "--samples", arguments->samples,
+         "What `vultus mocap clean` wrote beside TAKE: frames then count as in the captured file, which cleaning "
+         "may have shortened")
+      ->type_name("FILE.json");
   app.add_option("--out", arguments->out, "Write the list that `vultus session` reads")->type_name("FILE.json");
   app.add_option("--least-hold", arguments->holds.least_seconds, "Shorter rests of the face are no holds, seconds")
       ->capture_default_str();

@@ -58,6 +58,7 @@ class TakeCleaner {
     take.clean = mocap::read_take(session_.folder() / clean_file);
     take.clean.name = take.name;
     take.report = mocap::read_samples(session_.folder() / samples);
+    take.clean.file_frames = take.report.file_frames;
     return current;
   }
 

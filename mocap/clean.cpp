@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/number_text.h"
+#include "mocap/hole_reasons.h"
 #include "mocap/template_labels.h"
 
 namespace vultus::mocap {
@@ -38,10 +40,11 @@ std::vector<double> missing_shares(const Take& take) {
   return shares;
 }
 
-CleanReport report_of(const Take& raw, const Relabelled& labelling, const Stabilized& head) {
+CleanReport report_of(const Relabelled& labelling, const Stabilized& head) {
   CleanReport report;
-  report.take = raw.name;
-  report.rate_hz = raw.rate_hz;
+  report.take = head.take.name;
+  report.rate_hz = head.take.rate_hz;
+  report.file_frames = head.take.file_frames;
   report.head_method = name_of(head.method);
   report.head_markers = head.body.labels;
   report.head_deviations.assign(head.body.deviations.data(), head.body.deviations.data() + head.body.deviations.size());
@@ -52,35 +55,63 @@ CleanReport report_of(const Take& raw, const Relabelled& labelling, const Stabil
   }
   report.slips = head.slips;
   std::ranges::copy_if(labelling.edits.edits, std::back_inserter(report.label_edits), &LabelEdit::applied);
-  report.decisions = raw.decisions;
+  report.decisions = head.take.decisions;
   append(report.decisions, labelling.decisions);
   append(report.decisions, head.decisions);
   return report;
 }
 
 /// The raw take under the right labels, by the list in the options or by search.
-Relabelled labelled(const Take& raw, const CleanOptions& options) {
-  if (!options.label_edits && options.layout) return label_from_layout(raw, *options.layout, options.labels);
-  if (!options.label_edits) return repair_labels(raw, options.labels);
+Relabelled labelled(Take raw, const CleanOptions& options) {
   Relabelled result;
-  result.edits = *options.label_edits;
-  result.take = apply_edits(raw, result.edits);
-  result.decisions.push_back("labels: " + std::to_string(result.edits.edits.size()) + " changes by the given list");
-  return result;
+  if (options.label_edits) {
+    result.edits = *options.label_edits;
+    result.take = apply_edits(std::move(raw), result.edits);
+    result.decisions.push_back("labels: " + std::to_string(result.edits.edits.size()) + " changes by the given list");
+    return result;
+  }
+  if (!options.repair_labels) {
+    result.take = std::move(raw);
+    return result;
+  }
+  if (options.layout) return label_from_layout(raw, *options.layout, options.labels);
+  return repair_labels(std::move(raw), options.labels);
 }
 
-void note_repeats(const std::vector<Repeat>& repeats, const std::vector<std::string>& labels, CleanReport& report) {
+void note_repeats(const std::vector<Repeat>& repeats, const Take& take, CleanReport& report) {
   std::size_t held = 0, doubled = 0, markers = 0;
   for (const Repeat& repeat : repeats) {
     const auto frames = static_cast<std::size_t>(repeat.frames());
-    const std::string marker = repeat.marker < 0 ? "" : labels[static_cast<std::size_t>(repeat.marker)];
+    const std::string marker = repeat.marker < 0 ? "" : take.labels[static_cast<std::size_t>(repeat.marker)];
     report.repeats.push_back({repeat.kind, marker, repeat.first, repeat.last});
-    (repeat.kind == Repeat::Kind::held ? held : repeat.kind == Repeat::Kind::doubled ? doubled : markers) += frames;
+    held += repeat.kind == Repeat::Kind::held ? frames : 0;
+    doubled += repeat.kind == Repeat::Kind::doubled ? frames : 0;
+    markers += repeat.kind == Repeat::Kind::marker ? frames : 0;
+    if (repeat.kind == Repeat::Kind::lower_rate) {
+      const std::string times = std::to_string(repeat.times);
+      report.decisions.push_back("repeats: every frame stands " + times + " times in the file; the take was recorded " +
+                                 "at " + number(take.rate_hz / repeat.times, "%.6g") + " Hz, not at " +
+                                 number(take.rate_hz, "%.6g") + ", and only one sample in " + times + " was measured");
+    }
   }
-  if (repeats.empty()) return;
+  if (held + doubled + markers == 0) return;
   report.decisions.push_back("repeats: " + std::to_string(held) + " frames held for lost ones are missing, " +
                              std::to_string(doubled) + " put in twice were taken out, " + std::to_string(markers) +
                              " samples of markers held in place are missing");
+}
+
+/// Spikes out, gaps filled. Residuals and camera masks wait beside, so that the copies that filling makes are smaller.
+Filled filled_take(Take& steady, int reference_frame, const CleanOptions& options) {
+  std::vector<float> residuals = std::move(steady.residuals);
+  std::vector<std::uint8_t> cameras = std::move(steady.cameras);
+  steady.residuals.clear();
+  steady.cameras.clear();
+  Filled filled = fill_gaps(steady, options.gaps);
+  steady = {};
+  filled.take.residuals = std::move(residuals);
+  filled.take.cameras = std::move(cameras);
+  add_virtual_markers(filled, reference_frame, options.virtual_markers);
+  return filled;
 }
 
 }  // namespace
@@ -93,47 +124,46 @@ void CleanOptions::validate() const {
   filter.validate();
 }
 
-Cleaned clean(const Take& raw, const CleanOptions& options, Progress& progress) {
+Cleaned clean(Take raw, const CleanOptions& options, Progress& progress) {
   options.validate();
   progress.begin("mocap " + raw.name, 5);
-  Relabelled repaired;
-  const bool relabel = options.repair_labels || options.label_edits;
-  if (relabel) repaired = labelled(raw, options);
-  progress.advance();
-  progress.check();
-  const std::vector<Repeat> repeats = find_repeats(relabel ? repaired.take : raw);
-  const std::vector<std::string> labels = relabel ? repaired.take.labels : raw.labels;
-  if (!repeats.empty()) repaired.take = without(relabel ? repaired.take : raw, repeats);
-  Stabilized head = stabilize(relabel || !repeats.empty() ? repaired.take : raw, options.head);
-  repaired.take = {};
-  progress.advance();
-  progress.check();
-  CleanReport report = report_of(raw, repaired, head);
-  note_repeats(repeats, labels, report);
+  const auto step_done = [&] {
+    progress.advance();
+    progress.check();
+  };
+  Relabelled repaired = labelled(std::move(raw), options);
+  step_done();
+  const std::vector<Repeat> repeats = find_repeats(repaired.take);
+  CleanReport notes;
+  note_repeats(repeats, repaired.take, notes);
+  Stabilized head = stabilize(without(std::move(repaired.take), repeats), options.head);
+  step_done();
+  CleanReport report = report_of(repaired, head);
+  report.repeats = std::move(notes.repeats);
+  append(report.decisions, notes.decisions);
   Take steady = std::move(head.take), measured;
   if (options.keep_measured) measured = steady;
   if (options.remove_spikes) {
     report.spikes = find_spikes(steady, options.spikes);
-    steady = without(steady, report.spikes);
+    steady = without(std::move(steady), report.spikes);
     if (!report.spikes.empty()) {
       report.decisions.push_back("spikes: " + std::to_string(report.spikes.size()) + " taken out");
     }
   }
-  progress.advance();
-  progress.check();
-  Filled filled = fill_gaps(steady, options.gaps);
-  add_virtual_markers(filled, head.reference_frame, options.virtual_markers);
-  progress.advance();
-  progress.check();
-  Take take = smoothed(filled.take, options.filter);
+  step_done();
+  report.missing = missing_shares(steady);
+  Filled filled = filled_take(steady, head.reference_frame, options);
+  step_done();
+  Take take = smoothed(std::move(filled.take), options.filter);
   progress.advance();
   append(report.decisions, filled.decisions);
   report.labels = take.labels;
-  report.missing = missing_shares(steady);
   report.missing.resize(take.labels.size(), 1.0);
   report.gaps = std::move(filled.gaps);
   report.origins = std::move(filled.origins);
   report.expected_errors = std::move(filled.expected_errors);
+  take.file_frames = report.file_frames;
+  append(report.decisions, hole_reasons(report));
   return {std::move(take),       std::move(measured), std::move(head.body),
           std::move(head.poses), std::move(report),   std::move(repaired.edits)};
 }

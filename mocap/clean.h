@@ -42,6 +42,7 @@ struct RepeatNote {
 struct CleanReport {
   std::string take, head_method;
   double rate_hz = 0.0;
+  std::vector<int> file_frames;  ///< of the cleaned take, see `Take::file_frames`
   std::vector<std::string> labels;
   std::vector<double> missing;  ///< per marker, share of the frames as captured, 0…1
   std::vector<Gap> gaps;
@@ -68,8 +69,9 @@ struct Cleaned {
 };
 
 /// The chain of DESIGN §3.4: labels repaired, head motion out, spikes out, gaps filled, never-captured markers added,
-/// smoothed. Deterministic. Throws `InputError`, `Cancelled`.
-Cleaned clean(const Take& raw, const CleanOptions& options = {}, Progress& progress = Progress::none());
+/// smoothed. Deterministic. Hand the take over (`std::move`) to spare the memory of a copy. Throws `InputError`,
+/// `Cancelled`.
+Cleaned clean(Take raw, const CleanOptions& options = {}, Progress& progress = Progress::none());
 
 /// samples.json: the report, the origin of every sample that was not measured in run-length form.
 void write_samples(const std::filesystem::path& file, const CleanReport& report);

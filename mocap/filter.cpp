@@ -119,20 +119,19 @@ void FilterOptions::validate() const {
   if (!(sigma_seconds > 0.0) || sigma_seconds > 10.0) throw UsageError("sigma_seconds must be in (0, 10]");
 }
 
-Take smoothed(const Take& take, const FilterOptions& options) {
+Take smoothed(Take take, const FilterOptions& options) {
   options.validate();
-  Take result = take;
-  if (options.smoothing == Smoothing::none) return result;
+  if (options.smoothing == Smoothing::none) return take;
   tbb::parallel_for(0, take.markers(), [&](int m) {
     for (int f = 0; f < take.frames(); ++f) {
       if (!take.has(f, m)) continue;
       int last = f;
       while (last + 1 < take.frames() && take.has(last + 1, m)) ++last;
-      if (last > f) smooth_stretch(options, m, f, last, result);
+      if (last > f) smooth_stretch(options, m, f, last, take);
       f = last;
     }
   });
-  return result;
+  return take;
 }
 
 }  // namespace vultus::mocap

@@ -20,6 +20,6 @@ struct FilterOptions {
 
 /// Smooths every marker over each stretch without holes; nothing is smoothed across a hole, and no sample appears or
 /// disappears. Ends of a stretch are continued by point reflection, so that straight motion stays as it is.
-Take smoothed(const Take& take, const FilterOptions& options = {});
+Take smoothed(Take take, const FilterOptions& options = {});
 
 }  // namespace vultus::mocap

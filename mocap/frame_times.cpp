@@ -65,10 +65,13 @@ class EvenTake {
     result.present.assign(samples, 0);
     if (!read_.residuals.empty()) result.residuals.assign(samples, 0.0F);
     if (!read_.cameras.empty()) result.cameras.assign(samples, 0);
+    result.file_frames.resize(frames);
     int before = 0;  // the last frame not after the even time
     for (int f = 0; f < static_cast<int>(frames); ++f) {
       while (before + 1 < read_.frames() && at_[static_cast<std::size_t>(before) + 1] <= f) ++before;
       put(f, before, result);
+      const int after = std::min(before + 1, read_.frames() - 1);
+      result.file_frames[static_cast<std::size_t>(f)] = at(after) - f < f - at(before) ? after : before;
     }
     return result;
   }

@@ -16,7 +16,10 @@ namespace {
 
 using Range = std::pair<int, int>;
 
-Range range_of(const std::filesystem::path& file, const std::string& pose, const nlohmann::json& value, int frames) {
+/// The frames of `clean` that stand for those of the file that `value` names.
+Range range_of(const std::filesystem::path& file, const std::string& pose, const nlohmann::json& value,
+               const Take& clean) {
+  const int frames = clean.file_frames.empty() ? clean.frames() : clean.file_frames.back() + 1;
   const bool single = value.is_number_integer();
   const bool pair =
       value.is_array() && value.size() == 2 && value[0].is_number_integer() && value[1].is_number_integer();
@@ -30,12 +33,13 @@ Range range_of(const std::filesystem::path& file, const std::string& pose, const
                      "frames " + std::to_string(first) + " to " + std::to_string(last) + " are not in the take of " +
                          std::to_string(frames) + " frames");
   }
-  return {static_cast<int>(first), static_cast<int>(last)};
+  return {clean.frame_of_file(static_cast<int>(first)), clean.frame_of_file(static_cast<int>(last))};
 }
 
 void add(const Take& clean, const std::string& pose, Range hold, double score, KeyPoses& result) {
   result.poses.push_back(pose);
   result.holds.push_back(hold);
+  result.file_holds.emplace_back(clean.file_of_frame(hold.first), clean.file_of_frame(hold.second));
   result.positions.push_back(mean_pose(clean, hold));
   result.spread.push_back(spread_about(clean, hold, result.positions.back()));
   result.scores.push_back(score);
@@ -93,7 +97,7 @@ KeyPoses key_poses(const Take& clean, const std::filesystem::path& training_json
   for (const auto& [pose, value] : list["poses"].items()) names.push_back(pose);
   std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "neutral"; });
   for (const std::string& pose : names) {
-    Range hold = range_of(training_json, pose, list["poses"][pose], clean.frames());
+    Range hold = range_of(training_json, pose, list["poses"][pose], clean);
     if (hold.first == hold.second) hold = still_around(speeds, hold.first, static_cast<int>(0.1 * clean.rate_hz));
     add(clean, pose, hold, 1.0, result);
   }
@@ -141,7 +145,7 @@ KeyPoses find_key_poses(const Take& clean, const std::vector<std::string>& poses
 void write_training(const std::filesystem::path& file, const std::string& take, const KeyPoses& poses) {
   nlohmann::json list = nlohmann::json::object();
   for (std::size_t i = 0; i < poses.poses.size(); ++i) {
-    list[poses.poses[i]] = {poses.holds[i].first, poses.holds[i].second};
+    list[poses.poses[i]] = {poses.file_holds[i].first, poses.file_holds[i].second};
   }
   write_json(file, {{"take", take}, {"poses", list}});
 }

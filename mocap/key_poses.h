@@ -15,14 +15,16 @@ struct KeyPoses {
   std::vector<std::string> poses;          ///< neutral first where there is one
   std::vector<Points> positions;           ///< per pose: markers×3, mm; NaN rows for markers never seen in the hold
   std::vector<std::pair<int, int>> holds;  ///< first and last frame of each pose
-  std::vector<double> spread;              ///< RMS distance of the hold's samples from the pose, mm
-  std::vector<double> scores;              ///< 0…1, how sure the choice is; 1 for a list by hand
+  std::vector<std::pair<int, int>> file_holds;  ///< the same as numbers of the file (`Take::file_frames`)
+  std::vector<double> spread;                   ///< RMS distance of the hold's samples from the pose, mm
+  std::vector<double> scores;                   ///< 0…1, how sure the choice is; 1 for a list by hand
   std::vector<std::string> decisions;
 };
 
-/// By hand: `training.json` of DESIGN §2 ({"take": …, "poses": {"POSE": frame or [first, last]}}, frames from 0). A
-/// single frame is averaged with its neighbours as long as the face is still. Throws `InputError` for frames outside
-/// the take and anything malformed.
+/// By hand: `training.json` of DESIGN §2 ({"take": …, "poses": {"POSE": frame or [first, last]}}, frames of the
+/// captured file from 0: those that cleaning took out or put in are allowed for by `Take::file_frames`). A single frame
+/// is averaged with its neighbours as long as the face is still. Throws `InputError` for frames outside the take and
+/// anything malformed.
 KeyPoses key_poses(const Take& clean, const std::filesystem::path& training_json);
 
 struct HoldOptions {

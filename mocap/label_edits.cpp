@@ -11,19 +11,20 @@ namespace vultus::mocap {
 namespace {
 
 struct Sample {
-  float position[3];
+  float position[3] = {0.0F, 0.0F, 0.0F};
   float residual = 0.0F;
   std::uint8_t cameras = 0;
 };
 
-Sample sample_of(const Take& take, int frame, int column) {
-  const std::size_t i = take.index(frame, column);
+Sample sample_at(const Take& take, std::size_t i) {
   Sample sample;
   std::copy_n(take.positions.data() + 3 * i, 3, sample.position);
   if (!take.residuals.empty()) sample.residual = take.residuals[i];
   if (!take.cameras.empty()) sample.cameras = take.cameras[i];
   return sample;
 }
+
+Sample sample_of(const Take& take, int frame, int column) { return sample_at(take, take.index(frame, column)); }
 
 void put(Take& take, int frame, int column, const Sample& sample) {
   const std::size_t i = take.index(frame, column);
@@ -38,6 +39,7 @@ Take relabelled(const Take& take, std::vector<std::string> labels) {
   Take result = Take::empty(take.name, take.rate_hz, std::move(labels), take.frames());
   result.residual_step = take.residual_step;
   result.first_frame = take.first_frame;
+  result.file_frames = take.file_frames;
   result.events = take.events;
   result.decisions = take.decisions;
   if (!take.residuals.empty()) result.residuals.assign(result.present.size(), 0.0F);
@@ -50,48 +52,101 @@ Take relabelled(const Take& take, std::vector<std::string> labels) {
                    std::to_string(move.last) + ", '" + move.from + "' → '" + move.to + "': " + problem);
 }
 
-/// Where each sample of the raw take goes: a column of `labels`, or -1 for dropped.
-std::vector<int> targets(const Take& raw, const LabelEdits& edits, std::vector<std::string>& labels) {
-  std::vector<int> target(raw.present.size());
-  for (int f = 0; f < raw.frames(); ++f) {
-    for (int c = 0; c < raw.markers(); ++c) target[raw.index(f, c)] = c;
-  }
-  labels = raw.labels;
-  std::vector<std::uint8_t> moved(raw.present.size(), 0);
+/// A sample that changes its column.
+struct Moved {
+  std::size_t index;  // in the raw take
+  int from, to;       // columns, -1: dropped
+};
+
+/// The samples that move, by index; what only the edits name is added to `labels`.
+std::vector<Moved> moved_samples(const Take& raw, const LabelEdits& edits, std::vector<std::string>& labels) {
+  std::vector<Moved> moved;
   for (const LabelEdit& edit : edits.edits) {
     for (const LabelMove& move : edit.moves) {
       const int from = raw.find(move.from);
       if (from < 0) refuse(raw, move, "the take has no such column");
       if (move.first < 0 || move.last < move.first || move.last >= raw.frames()) refuse(raw, move, "no such frames");
       if (!edit.applied) continue;
-      auto to = std::find(labels.begin(), labels.end(), move.to) - labels.begin();
+      const auto to = std::find(labels.begin(), labels.end(), move.to) - labels.begin();
       if (!move.to.empty() && to == static_cast<std::ptrdiff_t>(labels.size())) labels.push_back(move.to);
       for (int f = move.first; f <= move.last; ++f) {
         if (!raw.has(f, from)) refuse(raw, move, "there is no sample in frame " + std::to_string(f));
-        if (moved[raw.index(f, from)]++) refuse(raw, move, "another edit moves frame " + std::to_string(f) + " too");
-        target[raw.index(f, from)] = move.to.empty() ? -1 : static_cast<int>(to);
+        moved.push_back({raw.index(f, from), from, move.to.empty() ? -1 : static_cast<int>(to)});
       }
     }
   }
-  return target;
+  std::sort(moved.begin(), moved.end(), [](const Moved& a, const Moved& b) { return a.index < b.index; });
+  const auto twice =
+      std::adjacent_find(moved.begin(), moved.end(), [](const Moved& a, const Moved& b) { return a.index == b.index; });
+  if (twice == moved.end()) return moved;
+  throw InputError("take '" + raw.name + "', frame " + std::to_string(twice->index / raw.labels.size()) +
+                   ": two label edits move the sample of '" + labels[static_cast<std::size_t>(twice->from)] + "'");
 }
 
 /// Unlabelled columns that no sample ends in are left out of `labels`; the others keep their order.
-std::vector<int> compacted(const Take& raw, const std::vector<int>& target, std::vector<std::string>& labels) {
-  std::vector<std::uint8_t> used(labels.size(), 0);
-  for (std::size_t i = 0; i < target.size(); ++i) {
-    if (raw.present[i] && target[i] >= 0) used[static_cast<std::size_t>(target[i])] = 1;
+std::vector<int> compacted(const Take& raw, const std::vector<Moved>& moved, std::vector<std::string>& labels) {
+  std::vector<std::ptrdiff_t> samples(labels.size(), 0);
+  for (int f = 0; f < raw.frames(); ++f)
+    for (int c = 0; c < raw.markers(); ++c) samples[static_cast<std::size_t>(c)] += raw.has(f, c);
+  for (const Moved& m : moved) {
+    --samples[static_cast<std::size_t>(m.from)];
+    if (m.to >= 0) ++samples[static_cast<std::size_t>(m.to)];
   }
   std::vector<int> place(labels.size(), -1);
   std::vector<std::string> kept;
   for (std::size_t c = 0; c < labels.size(); ++c) {
-    if (!used[c] && is_unlabelled(labels[c])) continue;
+    if (samples[c] == 0 && is_unlabelled(labels[c])) continue;
     place[c] = static_cast<int>(kept.size());
     kept.push_back(labels[c]);
   }
   labels = std::move(kept);
   return place;
 }
+
+/// Gives a take other columns, frame by frame in its own memory.
+class InPlace {
+ public:
+  InPlace(Take& take, std::vector<std::string> labels) : take_(take), old_(take.labels.size()), frames_(take.frames()) {
+    take.labels = std::move(labels);
+    row_.resize(old_);
+    fit(std::max(old_, take.labels.size()));
+  }
+
+  /// `put_row(frame, samples, present)` writes the samples of one frame to their new places.
+  template <class PutRow>
+  void each_frame(const PutRow& put_row) {
+    const bool wider = take_.labels.size() > old_;  // then the last frames make room for those before
+    std::vector<std::uint8_t> present(old_);
+    for (int k = 0; k < frames_; ++k) {
+      const int f = wider ? frames_ - 1 - k : k;
+      for (std::size_t c = 0; c < old_; ++c) {
+        const std::size_t i = static_cast<std::size_t>(f) * old_ + c;
+        present[c] = take_.present[i];
+        row_[c] = sample_at(take_, i);
+      }
+      for (int c = 0; c < take_.markers(); ++c) {
+        put(take_, f, c, {});
+        take_.drop(f, c);
+      }
+      put_row(f, row_, present);
+    }
+    fit(take_.labels.size());
+  }
+
+ private:
+  void fit(std::size_t columns) {
+    const std::size_t samples = static_cast<std::size_t>(frames_) * columns;
+    take_.positions.resize(3 * samples);
+    take_.present.resize(samples);
+    if (!take_.residuals.empty()) take_.residuals.resize(samples);
+    if (!take_.cameras.empty()) take_.cameras.resize(samples);
+  }
+
+  Take& take_;
+  std::size_t old_;
+  int frames_;
+  std::vector<Sample> row_;
+};
 
 }  // namespace
 
@@ -119,38 +174,41 @@ int LabelEdit::last() const {
   return most == moves.end() ? 0 : most->last;
 }
 
-Take apply_edits(const Take& raw, LabelEdits& edits) {
-  edits.take = raw.name;
-  edits.labels = raw.labels;
+Take apply_edits(Take take, LabelEdits& edits) {
+  edits.take = take.name;
+  edits.labels = take.labels;
   edits.dropped.clear();
-  std::vector<std::string> labels;
-  const std::vector<int> target = targets(raw, edits, labels);
-  const std::vector<int> place = compacted(raw, target, labels);
-  Take result = relabelled(raw, std::move(labels));
-  for (int f = 0; f < raw.frames(); ++f) {
-    for (int c = 0; c < raw.markers(); ++c) {
-      if (!raw.has(f, c)) continue;
-      const Sample sample = sample_of(raw, f, c);
-      const int to = target[raw.index(f, c)];
+  std::vector<std::string> labels = take.labels;
+  const std::vector<Moved> moved = moved_samples(take, edits, labels);
+  const std::vector<int> place = compacted(take, moved, labels);
+  if (moved.empty() && labels == take.labels) return take;
+  InPlace relabelled(take, std::move(labels));
+  relabelled.each_frame([&](int f, const std::vector<Sample>& samples, const std::vector<std::uint8_t>& present) {
+    const std::size_t first = static_cast<std::size_t>(f) * samples.size();
+    auto next = std::lower_bound(moved.begin(), moved.end(), first,
+                                 [](const Moved& m, std::size_t index) { return m.index < index; });
+    for (std::size_t c = 0; c < samples.size(); ++c) {
+      const bool moves = next != moved.end() && next->index == first + c;
+      const int to = moves ? (next++)->to : static_cast<int>(c);
+      if (present[c] == 0) continue;
       if (to < 0) {
-        LabelEdits::Dropped& d = edits.dropped.emplace_back();
-        d.column = raw.labels[static_cast<std::size_t>(c)];
-        d.frame = f;
-        std::copy_n(sample.position, 3, d.position);
-        d.residual = sample.residual;
-        d.cameras = sample.cameras;
+        const Sample& s = samples[c];
+        edits.dropped.push_back(
+            {edits.labels[c], f, {s.position[0], s.position[1], s.position[2]}, s.residual, s.cameras});
         continue;
       }
       const int column = place[static_cast<std::size_t>(to)];
-      if (result.has(f, column)) {
-        throw InputError("take '" + raw.name + "', frame " + std::to_string(f) +
-                         ": the label edits put two samples under '" + result.labels[static_cast<std::size_t>(column)] +
+      if (take.has(f, column)) {
+        throw InputError("take '" + take.name + "', frame " + std::to_string(f) +
+                         ": the label edits put two samples under '" + take.labels[static_cast<std::size_t>(column)] +
                          "'");
       }
-      put(result, f, column, sample);
+      put(take, f, column, samples[c]);
     }
-  }
-  return result;
+  });
+  std::stable_sort(edits.dropped.begin(), edits.dropped.end(),
+                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  return take;
 }
 
 Take undo_edits(const Take& edited, const LabelEdits& edits) {

@@ -49,7 +49,7 @@ struct LabelEdits {
 /// The take with the edits that are `applied`, all at once; `edits.dropped` is filled. Unlabelled columns (see
 /// `is_unlabelled`) that end up empty are left out; labels that only the edits name are appended. Throws `InputError`
 /// when a move names an unknown column or a frame without a sample, or two samples end under one label.
-Take apply_edits(const Take& raw, LabelEdits& edits);
+Take apply_edits(Take raw, LabelEdits& edits);
 
 /// The take as it came: positions, residuals and camera masks of every sample. Throws `InputError` when the take does
 /// not match.

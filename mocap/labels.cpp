@@ -255,21 +255,21 @@ void LabelOptions::validate() const {
   if (!(better > 0.0 && better < 1.0)) throw UsageError("better must be between 0 and 1");
 }
 
-Relabelled repair_labels(const Take& raw, const LabelOptions& options) {
+Relabelled repair_labels(Take raw, const LabelOptions& options) {
   options.validate();
   const auto labelled = std::count_if(raw.labels.begin(), raw.labels.end(),
                                       [](const std::string& label) { return !is_unlabelled(label); });
   Relabelled result;
   if (labelled < 8 || raw.frames() < 30) {
-    result.take = raw;
     result.edits.take = raw.name;
     result.edits.labels = raw.labels;
     result.decisions.push_back("labels: not checked, with " + std::to_string(labelled) + " labelled markers in " +
                                std::to_string(raw.frames()) + " frames (8 in 30 are needed)");
+    result.take = std::move(raw);
     return result;
   }
   result.edits.edits = Repair(raw, options).run();
-  result.take = apply_edits(raw, result.edits);
+  result.take = apply_edits(std::move(raw), result.edits);
   describe(result);
   return result;
 }

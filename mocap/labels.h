@@ -29,6 +29,6 @@ struct Relabelled {
 /// just before and after, put it (in head coordinates from the steadiest markers, so that neither jig nor face is
 /// trusted alone). Those that misfit are given the label that fits, clearest first, if it is free. What fits well is
 /// never touched. Takes with fewer than eight labelled markers are given back as they are, and `decisions` says so.
-Relabelled repair_labels(const Take& raw, const LabelOptions& options = {});
+Relabelled repair_labels(Take raw, const LabelOptions& options = {});
 
 }  // namespace vultus::mocap

@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "core/statistics.h"
+#include "mocap/take_parts.h"
 
 namespace vultus::mocap {
 
 namespace {
 
-constexpr double kMostRepeated = 0.2;  // share of the frames
+constexpr double kMostRepeated = 0.2;    // share of the frames, in stretches that are short
+constexpr double kMostStalled = 0.9;     // share of the frames above which a take is at rest
+constexpr double kStalledSeconds = 0.1;  // from here on a stretch is long
+constexpr double kRegular = 0.8;         // share of the frames that must repeat in one rhythm
+constexpr int kRhythm = 5;               // stretches of one length at least
+constexpr double kTravel = 1.0;          // mm that the others move at least while a marker is frozen
 constexpr int kLeastMarkers = 3;
 constexpr int kMotionFrames = 3;    // over which motion is judged on each side
 constexpr double kSure = 6.0;       // deviations of the noise between the two explanations
@@ -69,18 +76,42 @@ Repeat::Kind kind_of(const Take& take, const Repeat& repeat) {
   return motion->along / motion->speed2 < 1.0 + 0.5 * n ? Repeat::Kind::doubled : Repeat::Kind::held;
 }
 
-std::vector<Repeat> frame_repeats(const Take& take) {
+std::vector<Repeat> repeated_stretches(const Take& take) {
   std::vector<Repeat> found;
-  int repeated = 0;
   for (int f = 1; f < take.frames(); ++f) {
     if (!same_frame(take, f)) continue;
     Repeat repeat{Repeat::Kind::held, -1, f, f};
     while (repeat.last + 1 < take.frames() && same_frame(take, repeat.last + 1)) ++repeat.last;
-    repeated += repeat.frames();
     f = repeat.last;
     found.push_back(repeat);
   }
-  if (repeated > kMostRepeated * take.frames()) return {};
+  return found;
+}
+
+/// How often each frame stands in the file when nearly all stand there equally often; 1 otherwise.
+int usual_times(const Take& take, const std::vector<Repeat>& stretches) {
+  std::map<int, int> counts;
+  for (const Repeat& stretch : stretches) ++counts[stretch.frames()];
+  for (const auto& [length, count] : counts)
+    if (count >= kRhythm && count * (length + 1) > kRegular * take.frames()) return length + 1;
+  return 1;
+}
+
+std::vector<Repeat> frame_repeats(const Take& take) {
+  std::vector<Repeat> found = repeated_stretches(take);
+  if (const int times = usual_times(take, found); times > 1) {
+    return {{Repeat::Kind::lower_rate, -1, 0, take.frames() - 1, times}};
+  }
+  // A recording that stalls stands still for long; what repeats often for a few frames is at rest.
+  const double stalled = kStalledSeconds * take.rate_hz;
+  int all = 0, briefly = 0;
+  for (const Repeat& stretch : found) {
+    all += stretch.frames();
+    briefly += stretch.frames() < stalled ? stretch.frames() : 0;
+  }
+  if (all > kMostStalled * take.frames()) return {};
+  if (briefly > kMostRepeated * take.frames())
+    std::erase_if(found, [&](const Repeat& stretch) { return stretch.frames() < stalled; });
   for (Repeat& repeat : found) repeat.kind = kind_of(take, repeat);
   return found;
 }
@@ -95,12 +126,33 @@ double usual_step(const Take& take, int marker) {
   return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// How far the marker is from where it was held once it is seen anew; 0 when that is never.
-double leap_after(const Take& take, const Repeat& repeat) {
+/// How far the marker is from where it was held once it is seen anew; nothing when that is never.
+std::optional<double> leap_after(const Take& take, const Repeat& repeat) {
   for (int f = repeat.last + 1; f < take.frames(); ++f) {
     if (take.has(f, repeat.marker)) return (take.at(f, repeat.marker) - take.at(repeat.last, repeat.marker)).norm();
   }
-  return 0.0;
+  return {};
+}
+
+/// Median over the other markers of how far they get from where they are as the stretch begins.
+double travel_of_others(const Take& take, const Repeat& repeat) {
+  std::vector<double> travels;
+  const int step = std::max(1, repeat.frames() / 100);
+  for (int m = 0; m < take.markers(); ++m) {
+    if (m == repeat.marker || !take.has(repeat.first - 1, m)) continue;
+    const Eigen::Vector3d start = take.at(repeat.first - 1, m);
+    double travel = 0.0;
+    for (int f = repeat.first; f <= repeat.last; f += step)
+      if (take.has(f, m)) travel = std::max(travel, (take.at(f, m) - start).norm());
+    travels.push_back(travel);
+  }
+  return travels.empty() ? 0.0 : median(std::move(travels));
+}
+
+/// Rounded samples rest where motion turns, too, but leave by a single step.
+bool stands_out(const Take& take, const Repeat& repeat, double step) {
+  if (const auto leap = leap_after(take, repeat)) return *leap > kLeap * step;
+  return travel_of_others(take, repeat) > std::max(kTravel, kLeap * step);
 }
 
 /// `whole` marks the frames that repeat as a whole.
@@ -126,29 +178,18 @@ std::vector<Repeat> marker_repeats(const Take& take, int marker, const std::vect
   }
   // One repeat more than seen: a take without any says no more than that they are rarer than one in its length.
   const double chance = (singly + 1.0) / std::max(1, seen);
-  int held = 0;
-  for (const Repeat& repeat : found) held += repeat.frames();
-  if (held > kMostRepeated * seen) return {};
   if (found.empty()) return found;
   const double step = usual_step(take, marker);
-  // Rounded samples rest where motion turns, too, but leave by a single step.
   std::erase_if(found, [&](const Repeat& repeat) {
-    return seen * std::pow(chance, repeat.frames()) > kByChance || leap_after(take, repeat) <= kLeap * step;
+    return seen * std::pow(chance, repeat.frames()) > kByChance || !stands_out(take, repeat, step);
   });
+  // Many short ones are a coarse file's; a marker that is frozen is so for long.
+  int briefly = 0;
+  const double stalled = kStalledSeconds * take.rate_hz;
+  for (const Repeat& repeat : found) briefly += repeat.frames() < stalled ? repeat.frames() : 0;
+  if (briefly > kMostRepeated * seen)
+    std::erase_if(found, [&](const Repeat& repeat) { return repeat.frames() < stalled; });
   return found;
-}
-
-void append_frame(const Take& from, int frame, Take& to) {
-  const std::size_t first = from.index(frame, 0), n = from.labels.size();
-  const auto copy = [&](const auto& source, auto& target, std::size_t width) {
-    if (source.empty()) return;
-    const auto begin = source.begin() + static_cast<std::ptrdiff_t>(width * first);
-    target.insert(target.end(), begin, begin + static_cast<std::ptrdiff_t>(width * n));
-  };
-  copy(from.positions, to.positions, 3);
-  copy(from.present, to.present, 1);
-  copy(from.residuals, to.residuals, 1);
-  copy(from.cameras, to.cameras, 1);
 }
 
 }  // namespace
@@ -157,6 +198,7 @@ std::vector<Repeat> find_repeats(const Take& take) {
   std::vector<Repeat> found = frame_repeats(take);
   std::vector<char> whole(static_cast<std::size_t>(take.frames()), 0);
   for (const Repeat& repeat : found) {
+    if (repeat.kind == Repeat::Kind::lower_rate) return found;
     std::fill(whole.begin() + repeat.first, whole.begin() + repeat.last + 1, char(1));
   }
   for (int m = 0; m < take.markers(); ++m) {
@@ -166,33 +208,35 @@ std::vector<Repeat> find_repeats(const Take& take) {
   return found;
 }
 
-Take without(const Take& take, const std::vector<Repeat>& repeats) {
-  Take kept = take;
-  std::vector<char> out(static_cast<std::size_t>(take.frames()), 0);
+Take without(Take take, const std::vector<Repeat>& repeats) {
+  std::vector<std::uint8_t> keep(static_cast<std::size_t>(take.frames()), 1);
   for (const Repeat& repeat : repeats) {
+    if (repeat.kind == Repeat::Kind::lower_rate) continue;
     for (int f = repeat.first; f <= repeat.last; ++f) {
-      if (repeat.kind == Repeat::Kind::doubled) out[static_cast<std::size_t>(f)] = 1;
+      if (repeat.kind == Repeat::Kind::doubled) keep[static_cast<std::size_t>(f)] = 0;
       for (int m = 0; m < take.markers(); ++m) {
         if (repeat.kind == Repeat::Kind::held || (repeat.kind == Repeat::Kind::marker && m == repeat.marker)) {
-          kept.drop(f, m);
+          take.drop(f, m);
         }
       }
     }
   }
-  if (std::count(out.begin(), out.end(), char(1)) == 0) return kept;
-  Take result = Take::empty(take.name, take.rate_hz, take.labels, 0);
-  result.residual_step = take.residual_step;
-  result.first_frame = take.first_frame;
-  result.events = take.events;
-  result.decisions = take.decisions;
-  for (int f = 0; f < take.frames(); ++f) {
-    if (!out[static_cast<std::size_t>(f)]) append_frame(kept, f, result);
-  }
-  return result;
+  if (std::count(keep.begin(), keep.end(), std::uint8_t{0}) > 0) keep_frames(keep, take);
+  return take;
 }
 
 std::string name_of(Repeat::Kind kind) {
-  return kind == Repeat::Kind::held ? "held" : kind == Repeat::Kind::doubled ? "doubled" : "marker";
+  switch (kind) {
+    case Repeat::Kind::held:
+      return "held";
+    case Repeat::Kind::doubled:
+      return "doubled";
+    case Repeat::Kind::lower_rate:
+      return "lower_rate";
+    case Repeat::Kind::marker:
+      break;
+  }
+  return "marker";
 }
 
 }  // namespace vultus::mocap

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "mocap/clean.h"
+#include "mocap/hole_reasons.h"
 #include "mocap/label_edits_json.h"
 
 namespace vultus::mocap {
@@ -27,7 +28,8 @@ Origin origin_named(const std::string& name) {
 }
 
 Repeat::Kind kind_named(const std::string& name) {
-  for (const Repeat::Kind kind : {Repeat::Kind::held, Repeat::Kind::doubled, Repeat::Kind::marker}) {
+  for (const Repeat::Kind kind :
+       {Repeat::Kind::held, Repeat::Kind::doubled, Repeat::Kind::marker, Repeat::Kind::lower_rate}) {
     if (name == name_of(kind)) return kind;
   }
   throw InputError("'" + name + "' is no kind of repeat");
@@ -69,6 +71,27 @@ void read_runs(const Json& runs, std::size_t marker, CleanReport& report) {
       if (!errors.empty()) report.expected_errors[f * markers + marker] = errors[f - first].get<float>();
     }
   }
+}
+
+/// [frame of the take, frame of the file] wherever the difference of the two changes.
+Json file_frame_runs(const std::vector<int>& file_frames) {
+  Json runs = Json::array();
+  for (std::size_t f = 0; f < file_frames.size(); ++f)
+    if (f == 0 || file_frames[f] != file_frames[f - 1] + 1) runs.push_back({f, file_frames[f]});
+  return runs;
+}
+
+std::vector<int> read_file_frames(const Json& runs, std::size_t frames) {
+  std::vector<int> result(frames, 0);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const auto first = runs[r].at(0).get<std::size_t>();
+    const std::size_t end = r + 1 < runs.size() ? runs[r + 1].at(0).get<std::size_t>() : frames;
+    const int number = runs[r].at(1).get<int>();
+    if (end > frames || first >= end || number < (first == 0 ? 0 : result[first - 1]) || (r == 0 && first != 0))
+      throw InputError("'file_frames' does not rise or does not fit " + std::to_string(frames) + " frames");
+    for (std::size_t f = first; f < end; ++f) result[f] = number + static_cast<int>(f - first);
+  }
+  return result;
 }
 
 Json head_json(const CleanReport& report) {
@@ -132,6 +155,7 @@ CleanReport parsed(const Json& json) {
     report.repeats.push_back({kind_named(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
                               repeat.at("first").get<int>(), repeat.at("last").get<int>()});
   }
+  if (json.contains("file_frames")) report.file_frames = read_file_frames(json.at("file_frames"), frames);
   for (const Json& edit : json.value("label_edits", Json::array())) report.label_edits.push_back(edit_of(edit));
   return report;
 }
@@ -160,11 +184,12 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
                                {"spikes", Json::array()}});
   }
   for (const Gap& gap : report.gaps) {
-    json["markers"][static_cast<std::size_t>(gap.marker)]["gaps"].push_back(
-        {{"first", gap.first},
-         {"last", gap.last},
-         {"method", name_of(gap.method)},
-         {"expected_error_mm", rounded(gap.expected_error)}});
+    Json entry = {{"first", gap.first},
+                  {"last", gap.last},
+                  {"method", name_of(gap.method)},
+                  {"expected_error_mm", rounded(gap.expected_error)}};
+    if (gap.method == Origin::missing) entry["why"] = hole_reason(report, gap);
+    json["markers"][static_cast<std::size_t>(gap.marker)]["gaps"].push_back(std::move(entry));
   }
   for (const Spike& spike : report.spikes) {
     json["markers"][static_cast<std::size_t>(spike.marker)]["spikes"].push_back(
@@ -175,6 +200,7 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
     json["repeats"].push_back(
         {{"what", name_of(repeat.kind)}, {"marker", repeat.marker}, {"first", repeat.first}, {"last", repeat.last}});
   }
+  if (!report.file_frames.empty()) json["file_frames"] = file_frame_runs(report.file_frames);
   json["label_edits"] = Json::array();
   for (const LabelEdit& edit : report.label_edits) json["label_edits"].push_back(json_of(edit));
   write_json(file, json);

@@ -162,12 +162,11 @@ std::vector<Spike> find_spikes(const Take& take, const SpikeOptions& options) {
   return all;
 }
 
-Take without(const Take& take, const std::vector<Spike>& spikes) {
-  Take result = take;
+Take without(Take take, const std::vector<Spike>& spikes) {
   for (const Spike& spike : spikes) {
-    for (int f = spike.first; f <= spike.last; ++f) result.drop(f, spike.marker);
+    for (int f = spike.first; f <= spike.last; ++f) take.drop(f, spike.marker);
   }
-  return result;
+  return take;
 }
 
 }  // namespace vultus::mocap

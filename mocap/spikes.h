@@ -24,6 +24,6 @@ struct Spike {
 std::vector<Spike> find_spikes(const Take& take, const SpikeOptions& options = {});
 
 /// The take with the spikes' samples missing.
-Take without(const Take& take, const std::vector<Spike>& spikes);
+Take without(Take take, const std::vector<Spike>& spikes);
 
 }  // namespace vultus::mocap

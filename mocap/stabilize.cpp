@@ -13,6 +13,7 @@
 #include "mocap/head_smoothing.h"
 #include "mocap/jig.h"
 #include "mocap/steady_markers.h"
+#include "mocap/take_parts.h"
 #include "mocap/three_point.h"
 
 namespace vultus::mocap {
@@ -90,34 +91,18 @@ void translate_by_nose(const Take& take, int nose, int reference, std::vector<He
   }
 }
 
-Take in_head_coordinates(const Take& take, const std::vector<HeadPose>& poses, const std::vector<std::string>& drop) {
-  std::vector<int> kept;
-  for (int m = 0; m < take.markers(); ++m) {
-    const std::string& label = take.labels[static_cast<std::size_t>(m)];
-    if (std::find(drop.begin(), drop.end(), label) == drop.end()) kept.push_back(m);
-  }
-  std::vector<std::string> labels;
-  for (const int m : kept) labels.push_back(take.labels[static_cast<std::size_t>(m)]);
-  Take result = Take::empty(take.name, take.rate_hz, labels, take.frames());
-  result.first_frame = take.first_frame;
-  result.events = take.events;
-  result.decisions = take.decisions;
-  result.residual_step = take.residual_step;
-  if (!take.residuals.empty()) result.residuals.assign(result.present.size(), 0.0F);
-  if (!take.cameras.empty()) result.cameras.assign(result.present.size(), 0);
+/// In place, as takes are large; frames without a pose become missing.
+void to_head_coordinates(const std::vector<HeadPose>& poses, Take& take) {
   tbb::parallel_for(0, take.frames(), [&](int f) {
     const HeadPose& pose = poses[static_cast<std::size_t>(f)];
-    if (pose.kind == HeadPose::Kind::none) return;
     const Similarity head_from_world = pose.world_from_head.inverse();
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-      if (!take.has(f, kept[k])) continue;
-      const auto m = static_cast<int>(k);
-      result.set(f, m, head_from_world * take.at(f, kept[k]));
-      if (!take.residuals.empty()) result.residuals[result.index(f, m)] = take.residuals[take.index(f, kept[k])];
-      if (!take.cameras.empty()) result.cameras[result.index(f, m)] = take.cameras[take.index(f, kept[k])];
+    for (int m = 0; m < take.markers(); ++m) {
+      if (pose.kind == HeadPose::Kind::none)
+        take.drop(f, m);
+      else if (take.has(f, m))
+        take.set(f, m, head_from_world * take.at(f, m));
     }
   });
-  return result;
 }
 
 void report(Stabilized& result) {
@@ -192,7 +177,7 @@ std::vector<std::string> jig_labels(const std::vector<std::string>& labels) {
   return jig;
 }
 
-Stabilized stabilize(const Take& take, const StabilizeOptions& options) {
+Stabilized stabilize(Take take, const StabilizeOptions& options) {
   options.validate();
   if (take.frames() == 0) throw InputError("take '" + take.name + "' holds no frames");
   Stabilized result;
@@ -214,7 +199,11 @@ Stabilized stabilize(const Take& take, const StabilizeOptions& options) {
     translate_by_nose(take, take.find(options.nose_tip), result.reference_frame, result.poses);
     interpolate(result.poses, longest);
   }
-  result.take = in_head_coordinates(take, result.poses, jig);
+  to_head_coordinates(result.poses, take);
+  std::vector<std::uint8_t> face;
+  for (const std::string& label : take.labels) face.push_back(std::find(jig.begin(), jig.end(), label) == jig.end());
+  keep_markers(face, take);
+  result.take = std::move(take);
   report(result);
   return result;
 }

@@ -45,7 +45,7 @@ struct Stabilized {
 
 /// Takes the head's motion out: every sample in the coordinates that the head had in the reference frame. Throws
 /// `InputError` when the take has too few markers for the method or a label is not in it.
-Stabilized stabilize(const Take& take, const StabilizeOptions& options = {});
+Stabilized stabilize(Take take, const StabilizeOptions& options = {});
 
 /// Labels that look like a head jig's.
 std::vector<std::string> jig_labels(const std::vector<std::string>& labels);

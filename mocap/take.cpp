@@ -58,6 +58,14 @@ Points Take::frame(int f) const {
   return points;
 }
 
+int Take::frame_of_file(int n) const {
+  if (file_frames.empty()) return n;
+  const auto after = std::upper_bound(file_frames.begin(), file_frames.end(), n);
+  if (after == file_frames.begin()) return 0;
+  // Frames that the file lacks bear the number of the one before them.
+  return static_cast<int>(std::lower_bound(file_frames.begin(), after, *(after - 1)) - file_frames.begin());
+}
+
 Take Take::empty(std::string name, double rate_hz, std::vector<std::string> labels, int frames) {
   Take take;
   take.name = std::move(name);

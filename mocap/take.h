@@ -30,6 +30,7 @@ struct Take {
   std::vector<std::uint8_t> cameras;  ///< frames × markers, bit i: seen by camera i+1; empty when the file has none
   float residual_step = 0.0F;         ///< mm per unit of a C3D residual; 0 when the file has none
   int first_frame = 1;                ///< the file's own number of frame 0
+  std::vector<int> file_frames;       ///< frames: each one's number in the file, from 0, rising; empty: the same
   std::vector<Event> events;
   std::vector<std::string> decisions;  ///< what reading decided (units, axes), for the report
 
@@ -42,6 +43,9 @@ struct Take {
   void drop(int frame, int marker) { present[index(frame, marker)] = 0; }
   /// Marker number of a label, or -1.
   int find(const std::string& label) const;
+  /// The frame that stands for frame `n` of the file: the one before it where it was taken out as repeated.
+  int frame_of_file(int n) const;
+  int file_of_frame(int f) const { return file_frames.empty() ? f : file_frames[static_cast<std::size_t>(f)]; }
   /// markers×3; rows of missing samples are NaN.
   Points frame(int f) const;
 

@@ -1,0 +1,45 @@
+#include "mocap/take_parts.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace vultus::mocap {
+
+namespace {
+
+/// `values` in blocks of `width`, each kept where `keep`, counted round, says so: blocks only move towards the front.
+template <class T>
+void keep_blocks(const std::vector<std::uint8_t>& keep, std::size_t width, std::vector<T>& values) {
+  std::size_t to = 0;
+  for (std::size_t from = 0, block = 0; from < values.size(); from += width, ++block) {
+    if (keep[block % keep.size()] == 0) continue;
+    if (to != from) std::copy_n(values.data() + from, width, values.data() + to);
+    to += width;
+  }
+  values.resize(to);
+}
+
+}  // namespace
+
+void keep_frames(const std::vector<std::uint8_t>& keep, Take& take) {
+  if (take.file_frames.empty()) {
+    take.file_frames.resize(keep.size());
+    std::iota(take.file_frames.begin(), take.file_frames.end(), 0);
+  }
+  const std::size_t n = take.labels.size();
+  keep_blocks(keep, 3 * n, take.positions);
+  keep_blocks(keep, n, take.present);
+  keep_blocks(keep, n, take.residuals);
+  keep_blocks(keep, n, take.cameras);
+  keep_blocks(keep, 1, take.file_frames);
+}
+
+void keep_markers(const std::vector<std::uint8_t>& keep, Take& take) {
+  keep_blocks(keep, 3, take.positions);
+  keep_blocks(keep, 1, take.present);
+  keep_blocks(keep, 1, take.residuals);
+  keep_blocks(keep, 1, take.cameras);
+  keep_blocks(keep, 1, take.labels);
+}
+
+}  // namespace vultus::mocap
