@@ -16,9 +16,8 @@ std::string base64_of(std::span<const T> values) {
 }
 
 bool same_letters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 /// A backslash after the '<' of every `what` (in any case).
@@ -65,6 +64,23 @@ std::vector<std::uint16_t> quantized(std::span<const float> values, double unit)
                          : static_cast<std::uint16_t>(std::clamp(std::round(value / unit), 0.0, 65534.0)));
   }
   return result;
+}
+
+nlohmann::json rows_json(const std::vector<float>& values, std::size_t width, std::size_t most, double step) {
+  const std::size_t stride = std::max<std::size_t>(1, (values.size() + most - 1) / most);
+  std::vector<float> kept;
+  for (std::size_t start = 0; start + width <= values.size(); start += stride * width) {
+    kept.insert(kept.end(), values.begin() + static_cast<std::ptrdiff_t>(start),
+                values.begin() + static_cast<std::ptrdiff_t>(start + width));
+  }
+  return {{"stride", stride},
+          {"width", width},
+          {"step", step},
+          {"data", base64(std::span<const std::uint16_t>(quantized(kept, step)))}};
+}
+
+nlohmann::json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(std::round(value * 1e4) / 1e4) : nlohmann::json(nullptr);
 }
 
 std::string script_text(std::string_view text) { return broken_up(broken_up(text, "</script"), "<!--"); }

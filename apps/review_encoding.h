@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,12 @@ std::string base64(std::span<const std::uint32_t> values);
 
 /// Steps of `unit` from 0, rounded, at most 65534; 65535 stands for NaN.
 std::vector<std::uint16_t> quantized(std::span<const float> values, double unit);
+
+/// Rows of `width` values for the page: quantized, every n-th row such that at most `most` values remain: {"stride",
+/// "width", "step", "data"}.
+nlohmann::json rows_json(const std::vector<float>& values, std::size_t width, std::size_t most, double step);
+/// Four decimals, enough for the page; null where there is no value.
+nlohmann::json finite_or_null(double value);
 
 /// Text that may stand between <script> tags: a "</script" or "<!--" inside is written with a backslash after the '<',
 /// which JavaScript strings read as the same text. Not for JSON, which has no such escape.

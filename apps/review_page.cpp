@@ -88,8 +88,8 @@ std::string escaped(const std::string& text) {
 
 std::string page_text(const std::string& title, const nlohmann::json& data, const std::string& library_text) {
   std::string scripts;
-  for (const char* name :
-       {"data.js", "colours.js", "head.js", "charts.js", "gaps.js", "cleaning.js", "tables.js", "page.js"}) {
+  for (const char* name : {"data.js", "colours.js", "head.js", "charts.js", "tables.js", "repairs.js", "gaps.js",
+                           "cleaning.js", "page.js"}) {
     scripts += std::string(review_asset(name)) + "\n";
   }
   return filled(review_asset("page.html"), {{"TITLE", escaped(title)},

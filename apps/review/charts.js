@@ -7,7 +7,7 @@ const AXES = {
 };
 
 class Curve {
-  // series: [{name, colour, width, dash, values: row → number}], rows: a Rows that gives count and frame numbers.
+  // series: [{name, colour, width, dash, values: row → number, spread: row → ± with options.bars}], rows: a Rows that gives count and frame numbers.
   constructor(timeline, rows, series, options) {
     this.timeline = timeline;
     this.plot = make('div', { class: 'plot' });
@@ -35,12 +35,14 @@ class Curve {
     for (let row = 0; row < this.rows.count; ++row) {
       const line = [this.rows.frame(row)];
       for (const series of this.series) {
-        const value = series.values(row);
-        line.push(isNaN(value) ? null : value);
+        const value = series.values(row), spread = series.spread ? series.spread(row) || 0 : 0;
+        const known = !isNaN(value);
+        line.push(!this.options.bars ? (known ? value : null) : known ? [value - spread, value, value + spread] : [null, null, null]);
       }
       table.push(line);
     }
-    return table.length > 1 ? table : [[0, ...this.series.map(() => null)], [1, ...this.series.map(() => null)]];
+    const empty = this.series.map(() => this.options.bars ? [null, null, null] : null);
+    return table.length > 1 ? table : [[0, ...empty], [1, ...empty]];
   }
 
   seriesOptions() {
@@ -55,6 +57,7 @@ class Curve {
     return {
       axes: AXES, axisLineColor: '#3a4048', dateWindow: this.timeline.window.slice(), legend: 'never',
       stackedGraph: Boolean(this.options.stacked), fillAlpha: 0.55, valueRange: this.options.valueRange || [0, null],
+      customBars: Boolean(this.options.bars), underlayCallback: (paint, area, graph) => this.drawBands(paint, area, graph),
       highlightCircleSize: 2.5, rightGap: PLOT_RIGHT, xRangePad: 0, connectSeparatedPoints: false, animatedZooms: false,
       drawCallback: graph => {
         const [first, last] = graph.xAxisRange();
@@ -63,6 +66,16 @@ class Curve {
       },
       clickCallback: (event, x) => this.timeline.show(x),
     };
+  }
+
+  // Stretches set off from the rest: options.bands() gives [{first, last, colour}].
+  drawBands(paint, area, graph) {
+    for (const band of this.options.bands ? this.options.bands() : []) {
+      const left = Math.max(area.x, graph.toDomXCoord(band.first)), right = Math.min(area.x + area.w, graph.toDomXCoord(band.last + 1));
+      if (right < area.x || left > area.x + area.w) continue;
+      paint.fillStyle = band.colour;
+      paint.fillRect(left, area.y, Math.max(1.5, right - left), area.h);
+    }
   }
 
   replace(series, options) {
@@ -152,7 +165,10 @@ function stabilizationPanel(take, timeline) {
   if (!data || !Array.isArray(data.rms_mm) || !data.rms_mm.length) return null;
   const rows = { count: data.rms_mm.length, frame: row => row, row: frame => Math.max(0, Math.min(data.rms_mm.length - 1, frame)) };
   const value = row => typeof data.rms_mm[row] === 'number' ? data.rms_mm[row] : NaN;
-  const curve = new Curve(timeline, rows, [{ name: 'residual', colour: '#5fb8b0', values: value }], { height: 110 });
+  const slips = data.slips || [], bands = () => slips.map(slip => ({ first: slip.frame, last: slip.frame, colour: '#dfa55c' }));
+  const curve = new Curve(timeline, rows, [{ name: 'residual', colour: '#5fb8b0', values: value }], { height: 110, bands });
+  const notes = slips.map(slip => ` · ${slip.marker} slips by ${fixed(slip.distance_mm)} mm at ${slip.frame}`).join('');
   return { curve, node: make('div', { class: 'panel' },
-    make('h3', {}, 'Head stabilization', make('span', { class: 'unit' }, `mm RMS · ${data.method || ''}`)), curve.node) };
+    make('h3', {}, 'Head stabilization', make('span', { class: 'unit' },
+      `mm RMS · ${data.method || ''} · ${fixed(data.rms)} over the take${notes}`)), curve.node) };
 }

@@ -1,12 +1,12 @@
 // Colours of everything: poses, regions, gap methods, ramps.
 const SERIES = ['#e0a458', '#7fb0d6', '#8fbf7f', '#d17a7a', '#a58bd1', '#5fb8b0', '#d9c35a', '#d48cc0', '#b98a62', '#9fb3c8'];
 
+// Told apart with any colour vision (after Okabe and Ito); holes are hatched besides.
 const GAP_COLOURS = {
-  missing: '#dc6f6a', spline: '#7fb0d6', rigid_group: '#8fbf7f', local_frame: '#a58bd1', low_rank: '#e0a458',
-  repaired: '#5fb8b0', measured: '#3a4048',
+  missing: '#ff7f50', spline: '#56b4e9', rigid_group: '#1fb488', local_frame: '#d58ab8', low_rank: '#e69f00', repaired: '#f0e442',
 };
 const GAP_NAMES = {
-  missing: 'left open', spline: 'spline', rigid_group: 'rigid group', local_frame: 'local frame', low_rank: 'low rank',
+  missing: 'left open', spline: 'spline', rigid_group: 'rigid group', local_frame: 'local frame', low_rank: 'from the other markers',
   repaired: 'repaired',
 };
 

@@ -103,3 +103,13 @@ function make(tag, attributes, ...children) {
 const fixed = (value, digits = 2) => typeof value === 'number' && isFinite(value) ? value.toFixed(digits) : '–';
 const percent = value => typeof value === 'number' && isFinite(value) ? (100 * value).toFixed(0) + ' %' : '–';
 const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
+// A list by what `key` says of its items.
+function groups(items, key) {
+  const result = new Map();
+  for (const item of items) {
+    const name = key(item);
+    if (!result.has(name)) result.set(name, []);
+    result.get(name).push(item);
+  }
+  return result;
+}

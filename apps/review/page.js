@@ -171,9 +171,10 @@ function takePart(take, body) {
   body.append(make('div', { class: 'grid stage' }, face.node, picturePanel(take, timeline)));
   mounts.push(face.mount);
   const charts = make('div', { class: 'grid', style: { marginTop: '14px' } });
-  let errors = null;
-  let cleaning = null;
+  const gaps = new GapChart(take, timeline, marker => chooseMarker(marker));
+  let errors = null, cleaning = null;
   const chooseMarker = marker => {
+    gaps.show(marker);
     if (cleaning) cleaning.choose(marker);
     if (!errors) return;
     errors.choose(marker);
@@ -189,9 +190,14 @@ function takePart(take, body) {
     charts.append(weights.node);
     mounts.push(() => weights.curve.mount());
   }
-  const gaps = new GapChart(take, timeline);
   charts.append(gaps.node);
   mounts.push(() => gaps.mount());
+  if (take.repairs) {
+    charts.append(new RepairPanel(take, repair => {
+      if (repair.markers.length) chooseMarker(repair.markers[0]);
+      timeline.show(repair.first);
+    }).node);
+  }
   const steady = stabilizationPanel(take, timeline);
   if (steady) {
     charts.append(steady.node);
@@ -211,11 +217,9 @@ function takePart(take, body) {
 }
 
 function decisionsPart(take) {
-  const repairs = (take.repairs || []).map(repair => `${repair.marker ? repair.marker + ', ' : ''}frame ${repair.frame}: ${repair.what}`);
   const node = make('div', { class: 'panel' }, make('h3', {}, 'What was decided'));
   const shared = DATA.session.decisions || [], own = (take.decisions || []).filter(line => !shared.includes(line));
-  const parts = [decisionsPanel('This take', [own]), decisionsPanel('Repairs', [repairs]),
-    decisionsPanel('The session', [shared])].filter(Boolean);
+  const parts = [decisionsPanel('This take', [own]), decisionsPanel('The session', [shared])].filter(Boolean);
   if (take.solve) {
     const solve = take.solve;
     node.append(make('div', { class: 'unit', style: { marginBottom: '6px' } },
@@ -296,7 +300,7 @@ function keys(event) {
     if (event.key === 'ArrowRight') box.step(1);
     return;
   }
-  if (/^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName) || !state.timeline) return;
+  if (event.defaultPrevented || /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName) || !state.timeline) return;
   if (event.key === ' ') state.controls.toggle();
   else if (event.key === 'ArrowLeft') state.timeline.show(state.timeline.frame - 1);
   else if (event.key === 'ArrowRight') state.timeline.show(state.timeline.frame + 1);
@@ -304,11 +308,12 @@ function keys(event) {
   event.preventDefault();
 }
 
-// A link may name the take and frame to open at: index.html#take=NAME&frame=120
+// A link may name the take, marker and frame to open at: index.html#take=NAME&marker=LABEL&frame=120
 function openLinked() {
   const wanted = new URLSearchParams(location.hash.slice(1));
   const take = TAKES.find(candidate => candidate.name === wanted.get('take'));
   if (take) openTake(take);
+  if (wanted.has('marker') && state.chooseMarker) state.chooseMarker(wanted.get('marker'));
   if (wanted.has('frame') && state.timeline) state.timeline.show(Number(wanted.get('frame')) || 0);
 }
 

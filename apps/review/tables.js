@@ -6,6 +6,15 @@ function table(columns, rows) {
 }
 const cell = (content, numeric) => make('td', { class: numeric ? 'n' : null }, content);
 
+// A row that acts like a button, with mouse and keyboard.
+function goRow(act, attributes, ...cells) {
+  return make('tr', Object.assign({ class: 'go', tabindex: 0, onclick: act, onkeydown: event => {
+    if (event.key !== 'Enter' && event.key !== ' ') return;
+    event.preventDefault();
+    act();
+  } }, attributes), cells);
+}
+
 function findingsPanel(jump) {
   const findings = DATA.findings || [];
   const item = finding => {
@@ -51,13 +60,10 @@ function markerTable(take, choose) {
   const rows = [...(take.markers || [])].sort((a, b) => (b.mean || 0) - (a.mean || 0));
   if (!rows.length) return null;
   const largest = Math.max(...rows.map(row => row.mean || 0), 1e-9);
-  const lines = rows.map(row => {
-    const line = make('tr', { class: 'go', 'data-marker': row.label, onclick: () => choose(row.label) },
-      cell(row.label), cell(fixed(row.mean), true), cell(fixed(row.p95), true), cell(fixed(row.max), true),
-      cell(fixed(row.global), true), cell(percent(row.present), true),
-      make('td', { style: { width: '22%' } }, make('span', { class: 'share', style: { width: `${100 * (row.mean || 0) / largest}%` } })));
-    return line;
-  });
+  const lines = rows.map(row => goRow(() => choose(row.label), { 'data-marker': row.label },
+    cell(row.label), cell(fixed(row.mean), true), cell(fixed(row.p95), true), cell(fixed(row.max), true),
+    cell(fixed(row.global), true), cell(percent(row.present), true),
+    make('td', { style: { width: '22%' } }, make('span', { class: 'share', style: { width: `${100 * (row.mean || 0) / largest}%` } }))));
   return make('div', { class: 'panel' },
     make('h3', {}, 'Markers', make('span', { class: 'unit' }, 'error in mm; click one to see its curve')),
     make('div', { class: 'scroll' }, table([['Marker'], ['Mean', true], ['95 %', true], ['Max', true], ['Global', true], ['Seen', true], ['']], lines)));
@@ -66,7 +72,7 @@ function markerTable(take, choose) {
 function registrationTable(poses, choose) {
   const lines = poses.map(pose => {
     const distance = pose.distance_mm || {}, transferred = pose.source === 'transfer';
-    return make('tr', { class: 'go', 'data-pose': pose.pose, onclick: () => choose(pose.pose) },
+    return goRow(() => choose(pose.pose), { 'data-pose': pose.pose },
       cell(pose.pose), cell(make('span', { class: `verdict ${transferred && pose.verdict === 'pass' ? 'given' : pose.verdict || ''}` },
         transferred && pose.verdict === 'pass' ? 'transferred' : pose.verdict || '–')),
       cell(fixed(distance.mean), true), cell(fixed(distance.p95), true), cell(fixed(distance.max), true),
@@ -92,8 +98,8 @@ function regionTable(pose) {
 
 // For an actor without a registration report: its poses and what they are called elsewhere.
 function poseTable(choose) {
-  return table([['Pose'], ['Tags']], DATA.actor.poses.map(pose => make('tr', {
-    class: 'go', 'data-pose': pose.name, onclick: () => choose(pose.name) }, cell(pose.name), cell((pose.tags || []).join(', ')))));
+  return table([['Pose'], ['Tags']], DATA.actor.poses.map(pose =>
+    goRow(() => choose(pose.name), { 'data-pose': pose.name }, cell(pose.name), cell((pose.tags || []).join(', ')))));
 }
 
 function originPanel() {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <string>
-
-#include <gtest/gtest.h>
 
 #include "core/array_io.h"
 #include "core/files.h"
@@ -71,11 +71,13 @@ class ReviewFolder {
     for (int f = 0; f < 24; ++f) frames.push_back(SmallFace::positions(rig_, places, face.at(truth, f)));
     const mocap::Take take = SmallFace::take(labels, frames);
     const auto basis = retarget::basis_from_surface(rig_, labels, places);
-    const auto regional = retarget::marker_weights(rig_, labels, places), global = retarget::MarkerWeights::global(labels);
+    const auto regional = retarget::marker_weights(rig_, labels, places),
+               global = retarget::MarkerWeights::global(labels);
     const auto solved = retarget::solve_take(take, basis, regional), whole = retarget::solve_take(take, basis, global);
     retarget::write_weights(this->take() / "weights.npy", solved.weights);
     retarget::write_errors(this->take() / "errors.csv", retarget::marker_errors(take, basis, regional, solved.weights));
-    retarget::write_errors(this->take() / "errors_global.csv", retarget::marker_errors(take, basis, global, whole.weights));
+    retarget::write_errors(this->take() / "errors_global.csv",
+                           retarget::marker_errors(take, basis, global, whole.weights));
     write_json(this->take() / "report.json", {{"space", "surface"}, {"warnings", {"M3: 9.0 mm from the face"}}});
     write_samples();
     rig::MarkerPlaces markers;
@@ -105,7 +107,8 @@ class ReviewFolder {
     report.head_rms = 0.5;
     report.origins.assign(36 * 24, mocap::Origin::measured);
     report.expected_errors.assign(36 * 24, 0.0F);
-    report.gaps = {{2, 5, 8, mocap::Origin::spline, 0.2}, {7, 10, 20, mocap::Origin::rigid_group, 1.75},
+    report.gaps = {{2, 5, 8, mocap::Origin::spline, 0.2},
+                   {7, 10, 20, mocap::Origin::rigid_group, 1.75},
                    {9, 3, 4, mocap::Origin::missing, 0.0}};
     for (const mocap::Gap& gap : report.gaps) {
       for (int f = gap.first; f <= gap.last; ++f) {
@@ -113,6 +116,11 @@ class ReviewFolder {
         report.expected_errors[36 * f + gap.marker] = static_cast<float>(gap.expected_error);
       }
     }
+    report.repeats = {{mocap::Repeat::Kind::doubled, "", 6, 7}};
+    report.label_edits = {
+        {mocap::LabelEdit::Kind::swap, {{10, 12, "M4", "M5"}, {10, 12, "M5", "M4"}}, 0.9, "9.0 mm off", true},
+        {mocap::LabelEdit::Kind::phantom, {{4, 5, "M6", ""}}, 0.8, "", true}};
+    report.slips = {{"jig2", 14, 16, 2.5}};
     mocap::write_samples(take() / "samples.json", report);
   }
 

@@ -1,9 +1,9 @@
-#include "apps/review_data.h"
-
 #include <algorithm>
 #include <cstring>
 #include <fstream>
 
+#include "apps/review_cleaning.h"
+#include "apps/review_data.h"
 #include "apps/review_encoding.h"
 #include "apps/review_findings.h"
 #include "apps/review_head.h"
@@ -98,7 +98,8 @@ TEST(ReviewFindings, ARegionalSolveWorseThanTheGlobalOneIsAProblem) {
   auto worse = regional;
   for (float& value : worse.values) value += 1.0F;
   retarget::write_errors(folder.take() / "errors.csv", worse);
-  EXPECT_TRUE(has(find_what_stands_out(read_review_session(folder.session())), Severity::problem, "worse than the global"));
+  EXPECT_TRUE(
+      has(find_what_stands_out(read_review_session(folder.session())), Severity::problem, "worse than the global"));
 }
 
 TEST(ReviewHead, PosesComeBackFromTheirBytes) {
@@ -110,7 +111,8 @@ TEST(ReviewHead, PosesComeBackFromTheirBytes) {
   EXPECT_EQ(decoded<std::uint16_t>(head["triangles"]["data"]).size(), 3u * session.actor.topology->triangles().rows());
   const auto packed = decoded<std::int16_t>(head["neutral"]["data"]);
   for (Eigen::Index i = 0; i < neutral.size(); ++i) {
-    const double value = packed[i] * head["neutral"]["step"].get<double>() + head["neutral"]["centre"][i % 3].get<double>();
+    const double value =
+        packed[i] * head["neutral"]["step"].get<double>() + head["neutral"]["centre"][i % 3].get<double>();
     ASSERT_NEAR(value, neutral.data()[i], 0.005);
   }
   for (std::size_t pose = 0; pose < session.actor.poses.size(); ++pose) {
@@ -119,7 +121,8 @@ TEST(ReviewHead, PosesComeBackFromTheirBytes) {
     const auto vertices = decoded<std::uint32_t>(json["vertices"]);
     const auto motion = decoded<std::int16_t>(json["motion"]);
     for (std::size_t n = 0; n < vertices.size(); ++n) {
-      for (int axis = 0; axis < 3; ++axis) positions(vertices[n], axis) += json["step"].get<double>() * motion[3 * n + axis];
+      for (int axis = 0; axis < 3; ++axis)
+        positions(vertices[n], axis) += json["step"].get<double>() * motion[3 * n + axis];
     }
     // Motion below a hundredth of a millimetre is not stored; steps are finer.
     EXPECT_LE((positions - session.actor.poses[pose].positions).rowwise().norm().maxCoeff(), 0.011) << json["name"];
@@ -145,7 +148,8 @@ TEST(ReviewHead, DistancesMasksAndMarkersBelongToTheirVertices) {
 TEST(ReviewTakes, LongTakesAreThinnedAndSayso) {
   ReviewTake take;
   take.name = "long";
-  take.weights = retarget::Weights::zeros(120.0, std::vector<std::string>(12, "r"), std::vector<std::string>(60, "p"), 9000);
+  take.weights =
+      retarget::Weights::zeros(120.0, std::vector<std::string>(12, "r"), std::vector<std::string>(60, "p"), 9000);
   const nlohmann::json json = take_json(take);
   EXPECT_EQ(json["frames"], 9000);
   EXPECT_EQ(json["weights"]["stride"], 3);  // 6.48 M values, 2.5 M at most
@@ -162,6 +166,26 @@ TEST(ReviewTakes, FiguresOfMarkersAndTheTable) {
   EXPECT_EQ(json["gaps"].size(), 3u);
   EXPECT_EQ(json["gaps"][1]["marker"], "M7");
   EXPECT_EQ(json["stabilization"]["rms_mm"][9], 2.5);
+}
+
+// By frame of the cleaned take, from which two doubled frames were taken out.
+TEST(ReviewCleaning, RepairsSayWhatWasDoneAndWhereItShows) {
+  const ReviewFolder folder;
+  const nlohmann::json json = cleaning_json(read_review_session(folder.session()).takes[0]);
+  const nlohmann::json& repairs = json["repairs"];
+  ASSERT_EQ(repairs.size(), 4u);
+  EXPECT_EQ(repairs[0]["kind"], "phantom");
+  EXPECT_EQ(repairs[0]["marks"], nlohmann::json::array({{"M6", 4, 5}}));
+  EXPECT_EQ(repairs[0]["what"], "M6 → dropped");
+  EXPECT_EQ(repairs[1]["kind"], "doubled");
+  EXPECT_TRUE(repairs[1]["markers"].empty());
+  EXPECT_EQ(repairs[2]["kind"], "swap");
+  EXPECT_EQ(repairs[2]["markers"], (std::vector<std::string>{"M5", "M4"}));
+  EXPECT_EQ(repairs[2]["first"], 8);
+  EXPECT_EQ(repairs[2]["last"], 10);
+  EXPECT_EQ(repairs[2]["what"], "M4 → M5, M5 → M4: 9.0 mm off");
+  EXPECT_EQ(repairs[3]["kind"], "slip");
+  EXPECT_EQ(json["stabilization"]["slips"][0]["marker"], "jig2");
 }
 
 TEST(ReviewPictures, InlinedReducedAndSpread) {

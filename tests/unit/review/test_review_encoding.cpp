@@ -1,9 +1,9 @@
-#include "apps/review_encoding.h"
+#include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "apps/review_encoding.h"
 
 namespace vultus::apps {
 namespace {

@@ -1,8 +1,7 @@
-#include "apps/review_page.h"
-
 #include <cstdio>
 #include <regex>
 
+#include "apps/review_page.h"
 #include "core/error.h"
 #include "review_session.h"
 
@@ -12,7 +11,8 @@ namespace {
 using testing::ReviewFolder;
 
 bool libraries_installed() {
-  return fs::exists("/usr/share/javascript/dygraphs/dygraph.min.js") && fs::exists("/usr/share/javascript/three/three.min.js");
+  return fs::exists("/usr/share/javascript/dygraphs/dygraph.min.js") &&
+         fs::exists("/usr/share/javascript/three/three.min.js");
 }
 
 TEST(ReviewPage, IsOneFileThatLoadsNothing) {
@@ -76,10 +76,12 @@ TEST(ReviewPage, ABrowserShowsItWithoutErrors) {
   const std::string command =
       "timeout 60 /usr/bin/chromium --headless --no-sandbox --disable-gpu --disable-background-networking "
       "--use-gl=angle --use-angle=swiftshader --enable-logging=stderr --v=0 --virtual-time-budget=2000 "
-      "--user-data-dir=" + (folder.session() / "browser").string() + " --dump-dom file://" + page.file.string() + " 2>&1";
+      "--user-data-dir=" +
+      (folder.session() / "browser").string() + " --dump-dom file://" + page.file.string() + " 2>&1";
   const std::string output = output_of(command);
   EXPECT_EQ(output.find("Uncaught"), std::string::npos) << output.substr(output.find("Uncaught"), 300);
-  for (const char* shown : {"Where to look", "lips not sealed", "Marker error", "Pose weights", "3 gaps in 3 markers"}) {
+  for (const char* shown : {"Where to look", "lips not sealed", "Marker error", "Pose weights", "3 gaps in 3 markers",
+                            "labels swapped back", "jig2 slips by 2.50 mm at 14"}) {
     // The data itself holds some of these words; what the page shows comes before it.
     const std::size_t at = output.find(shown);
     ASSERT_NE(at, std::string::npos) << shown;
