@@ -7,25 +7,41 @@ namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-double gap(const registration::Ibug68& scheme, const Pairs& pairs, const Points& positions) {
+constexpr double scheme_thickness = 1.0;  // mm between the scheme's points on either side of closed lips
+
+double gap(const Pairs& pairs, const Points& positions) {
   double sum = 0.0;
-  for (const auto& [upper, lower] : pairs) sum += (positions.row(scheme[upper]) - positions.row(scheme[lower])).norm();
+  for (const auto& [upper, lower] : pairs) sum += (positions.row(upper) - positions.row(lower)).norm();
   return sum / static_cast<double>(pairs.size());
+}
+
+// Empty where the template does not name them all.
+Pairs of_scheme(const registration::Template& head, const Pairs& points) {
+  Pairs pairs;
+  if (!head.ibug68) return pairs;
+  for (const auto& [upper, lower] : points) {
+    pairs.emplace_back((*head.ibug68)[upper], (*head.ibug68)[lower]);
+    if (pairs.back().first < 0 || pairs.back().second < 0) return {};
+  }
+  return pairs;
 }
 
 }  // namespace
 
 std::vector<Opening> openings(const registration::Template& head, const Points& truth, const Points& found) {
-  static const std::vector<std::pair<std::string, Pairs>> rims = {{"mouth", {{61, 67}, {62, 66}, {63, 65}}},
-                                                                  {"right eye", {{37, 41}, {38, 40}}},
-                                                                  {"left eye", {{43, 47}, {44, 46}}}};
+  static const std::vector<std::pair<std::string, Pairs>> scheme = {{"lips", {{61, 67}, {62, 66}, {63, 65}}},
+                                                                    {"right lids", {{37, 41}, {38, 40}}},
+                                                                    {"left lids", {{43, 47}, {44, 46}}}};
   std::vector<Opening> result;
-  if (!head.ibug68) return result;
-  for (const auto& [name, pairs] : rims) {
-    bool complete = true;
-    for (const auto& [upper, lower] : pairs)
-      complete = complete && (*head.ibug68)[upper] >= 0 && (*head.ibug68)[lower] >= 0;
-    if (complete) result.push_back({name, gap(*head.ibug68, pairs, truth), gap(*head.ibug68, pairs, found)});
+  for (const auto& [name, points] : scheme) {
+    Pairs pairs = of_scheme(head, points);
+    double thickness = scheme_thickness;
+    for (const registration::TouchingRims& rims : head.rims)
+      if (rims.name == name && !rims.pairs.empty()) {
+        pairs = rims.pairs;
+        thickness = 0.0;
+      }
+    if (!pairs.empty()) result.push_back({name, gap(pairs, truth), gap(pairs, found), thickness});
   }
   return result;
 }

@@ -7,16 +7,18 @@
 
 namespace vultus::apps::bench {
 
-/// How wide mouth and eyes stand open, truly and in a result: the mean distance of the rims over the pairs of the
-/// 68-point scheme, mm.
+/// How wide lips and lids stand open, truly and in a result: the mean distance over the pairs of vertices that touch
+/// when they are closed, mm.
 struct Opening {
-  std::string name;  ///< "mouth", "right eye", "left eye"
+  std::string name;  ///< "lips", "right lids", "left lids"
   double truly = 0.0, found = 0.0;
-  /// Sealed (truly at most 1.5 mm: rims have a thickness) stays within 2 mm; open stays open by half at least.
-  bool right() const { return truly <= 1.5 ? found <= 2.0 : found >= 0.5 * truly; }
+  double thickness = 0.0;  ///< mm by which the pairs stand apart even then
+  /// Sealed (truly within half a millimetre) stays within a millimetre; open stays open by half at least.
+  bool right() const { return truly <= thickness + 0.5 ? found <= thickness + 1.0 : found >= 0.5 * truly; }
 };
 
-/// Of a template with the 68-point scheme; nothing for any other. Both n×3 over the refined template, any frames.
+/// By the template's own touching rims or, where it has none, by the inner points of the 68-point scheme; nothing for a
+/// template without either. Both n×3 over the refined template, any frames.
 std::vector<Opening> openings(const registration::Template& head, const Points& truth, const Points& found);
 
 }  // namespace vultus::apps::bench

@@ -108,10 +108,31 @@ TEST(Measure, TurnedTrianglesAreCounted) {
 }
 
 TEST(Measure, SealedStaysSealedAndOpenOpen) {
-  EXPECT_TRUE((Opening{"mouth", 1.2, 1.9}).right());
-  EXPECT_FALSE((Opening{"mouth", 1.2, 3.0}).right());
-  EXPECT_TRUE((Opening{"mouth", 20.0, 15.0}).right());
-  EXPECT_FALSE((Opening{"mouth", 20.0, 6.0}).right());
+  EXPECT_TRUE((Opening{"lips", 0.2, 0.9}).right());
+  EXPECT_FALSE((Opening{"lips", 0.2, 1.2}).right());
+  EXPECT_TRUE((Opening{"lips", 1.2, 1.9, 1.0}).right());
+  EXPECT_TRUE((Opening{"lips", 20.0, 15.0}).right());
+  EXPECT_FALSE((Opening{"lips", 20.0, 6.0}).right());
+}
+
+TEST(Measure, OpeningsAreThoseOfTheRimsThatTouch) {
+  registration::Template head;
+  head.ibug68.emplace().fill(-1);
+  for (const auto& [point, vertex] : {std::pair(61, 0), {62, 1}, {63, 2}, {67, 3}, {66, 4}, {65, 5}})
+    (*head.ibug68)[point] = vertex;
+  Points truth = Points::Zero(8, 3), found = truth;
+  truth.row(6).y() = 0.1;  // the contact, before the scheme's points
+  found.row(6).y() = 4.0;
+  found.topRows(3).col(1).setConstant(2.0);
+  const auto by_scheme = openings(head, truth, found);
+  ASSERT_EQ(by_scheme.size(), 1);  // it names no lids
+  EXPECT_EQ(by_scheme[0].found, 2.0);
+  head.rims = {{"lips", {{6, 7}}}};
+  const auto by_rims = openings(head, truth, found);
+  ASSERT_EQ(by_rims.size(), 1);
+  EXPECT_EQ(by_rims[0].truly, 0.1);
+  EXPECT_EQ(by_rims[0].found, 4.0);
+  EXPECT_FALSE(by_rims[0].right());
 }
 
 TEST(Measure, AnotherTopologyIsRefused) {
