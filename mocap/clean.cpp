@@ -106,7 +106,7 @@ Filled filled_take(Take& steady, int reference_frame, const CleanOptions& option
   std::vector<std::uint8_t> cameras = std::move(steady.cameras);
   steady.residuals.clear();
   steady.cameras.clear();
-  Filled filled = fill_gaps(steady, options.gaps);
+  Filled filled = fill_gaps(std::move(steady), options.gaps);
   steady = {};
   filled.take.residuals = std::move(residuals);
   filled.take.cameras = std::move(cameras);

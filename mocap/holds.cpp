@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/statistics.h"
@@ -12,6 +14,7 @@ namespace vultus::mocap {
 
 namespace {
 
+constexpr double kTimesUsual = 2.0;  // speed of a rest by which a part of it is a motion
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Threshold between rest and motion: the split of the logarithms of the speeds into two classes with the greatest
@@ -39,22 +42,63 @@ double rest_speed(const std::vector<double>& speeds) {
   return std::exp(split);
 }
 
+using Stretch = std::pair<int, int>;
+
+/// Stretches of at least `least` frames in which the speed stays below `limit`.
+std::vector<Stretch> slower_than(double limit, const std::vector<double>& speeds, const Stretch& within, int least) {
+  std::vector<Stretch> found;
+  const auto slow = [&](int f) { return f <= within.second && speeds[static_cast<std::size_t>(f)] < limit; };
+  for (int f = within.first; f <= within.second; ++f) {
+    if (!slow(f)) continue;
+    int last = f;
+    while (slow(last + 1)) ++last;
+    if (last - f + 1 >= least) found.emplace_back(f, last);
+    f = last;
+  }
+  return found;
+}
+
+/// Small expressions are slower than what divides rest from motion in a take with large ones, but quick against the
+/// rest around them: the parts of a rest that they lead from and to, as far as those differ.
+std::vector<Stretch> rests_within(const Take& clean, const std::vector<double>& speeds, const Stretch& rest, int least,
+                                  double differ_mm) {
+  const double usual = median({speeds.begin() + rest.first, speeds.begin() + rest.second + 1});
+  std::vector<Stretch> parts;
+  for (const Stretch& part : slower_than(kTimesUsual * usual, speeds, rest, least)) {
+    const bool same =
+        !parts.empty() && pose_distance(mean_pose(clean, parts.back()), mean_pose(clean, part)) < differ_mm;
+    if (same)
+      parts.back().second = part.second;
+    else
+      parts.push_back(part);
+  }
+  return parts.size() > 1 ? parts : std::vector<Stretch>{rest};
+}
+
+/// Mean of the largest tenth, three at least: lids that close move few of a face's markers. Reorders.
+double liveliest_mean(std::vector<double>& squares) {
+  const std::size_t n = std::min(squares.size(), std::max<std::size_t>(3, squares.size() / 10));
+  if (n == 0) return 0.0;
+  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(n) - 1, squares.end(),
+                   std::greater<>());
+  return std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(n), 0.0) /
+         static_cast<double>(n);
+}
+
 }  // namespace
 
 std::vector<double> face_speeds(const Take& clean) {
   const int reach = std::max(1, static_cast<int>(std::lround(0.03 * clean.rate_hz)));
-  std::vector<double> raw(static_cast<std::size_t>(clean.frames()), kNaN);
+  std::vector<double> raw(static_cast<std::size_t>(clean.frames()), kNaN), squares;
   for (int f = 0; f < clean.frames(); ++f) {
     const int before = std::max(0, f - reach), after = std::min(clean.frames() - 1, f + reach);
-    double sum = 0.0;
-    int n = 0;
+    squares.clear();
     for (int m = 0; m < clean.markers(); ++m) {
-      if (!clean.has(before, m) || !clean.has(after, m)) continue;
-      sum += (clean.at(after, m) - clean.at(before, m)).squaredNorm();
-      ++n;
+      if (clean.has(before, m) && clean.has(after, m))
+        squares.push_back((clean.at(after, m) - clean.at(before, m)).squaredNorm());
     }
-    if (2 * n >= clean.markers() && after > before) {
-      raw[static_cast<std::size_t>(f)] = std::sqrt(sum / n) * clean.rate_hz / (after - before);
+    if (2 * static_cast<int>(squares.size()) >= clean.markers() && after > before) {
+      raw[static_cast<std::size_t>(f)] = std::sqrt(liveliest_mean(squares)) * clean.rate_hz / (after - before);
     }
   }
   const int half = std::max(1, static_cast<int>(std::lround(0.05 * clean.rate_hz)));
@@ -119,15 +163,12 @@ double spread_about(const Take& clean, std::pair<int, int> frames, const Points&
   return n == 0 ? 0.0 : std::sqrt(sum / n);
 }
 
-double rms_distance(const Points& a, const Points& b) {
-  double sum = 0.0;
-  int n = 0;
+double pose_distance(const Points& a, const Points& b) {
+  std::vector<double> squares;
   for (Eigen::Index m = 0; m < a.rows(); ++m) {
-    if (!a.row(m).allFinite() || !b.row(m).allFinite()) continue;
-    sum += (a.row(m) - b.row(m)).squaredNorm();
-    ++n;
+    if (a.row(m).allFinite() && b.row(m).allFinite()) squares.push_back((a.row(m) - b.row(m)).squaredNorm());
   }
-  return n == 0 ? std::numeric_limits<double>::infinity() : std::sqrt(sum / n);
+  return squares.empty() ? std::numeric_limits<double>::infinity() : std::sqrt(liveliest_mean(squares));
 }
 
 NeutralChoice choose_neutral(const Take& clean, const std::vector<std::pair<int, int>>& holds, double tolerance) {
@@ -136,7 +177,7 @@ NeutralChoice choose_neutral(const Take& clean, const std::vector<std::pair<int,
   std::size_t most = 0, best = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto like = static_cast<std::size_t>(std::count_if(
-        poses.begin(), poses.end(), [&](const Points& other) { return rms_distance(poses[i], other) < tolerance; }));
+        poses.begin(), poses.end(), [&](const Points& other) { return pose_distance(poses[i], other) < tolerance; }));
     if (like > most) {
       most = like;
       best = i;
@@ -146,7 +187,7 @@ NeutralChoice choose_neutral(const Take& clean, const std::vector<std::pair<int,
                        static_cast<double>(most) / static_cast<double>(poses.size())};
   Eigen::VectorXd seen = Eigen::VectorXd::Zero(clean.markers());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!(rms_distance(poses[i], poses[best]) < tolerance)) continue;
+    if (!(pose_distance(poses[i], poses[best]) < tolerance)) continue;
     const int length = holds[i].second - holds[i].first;
     if (length > choice.hold.second - choice.hold.first) choice.hold = holds[i];
     for (int m = 0; m < clean.markers(); ++m) {
@@ -169,13 +210,10 @@ std::vector<std::pair<int, int>> find_holds(const Take& clean, const HoldOptions
   const std::vector<double> speeds = face_speeds(clean);
   const double limit = rest_speed(speeds);
   const int least = std::max(2, static_cast<int>(std::lround(options.least_seconds * clean.rate_hz)));
-  std::vector<std::pair<int, int>> holds;
-  for (int f = 0; f < clean.frames(); ++f) {
-    if (!(speeds[static_cast<std::size_t>(f)] < limit)) continue;
-    int last = f;
-    while (last + 1 < clean.frames() && speeds[static_cast<std::size_t>(last + 1)] < limit) ++last;
-    if (last - f + 1 >= least) holds.emplace_back(f, last);
-    f = last;
+  std::vector<Stretch> holds;
+  for (const Stretch& rest : slower_than(limit, speeds, {0, clean.frames() - 1}, least)) {
+    const std::vector<Stretch> parts = rests_within(clean, speeds, rest, least, 0.5 * options.least_motion_mm);
+    holds.insert(holds.end(), parts.begin(), parts.end());
   }
   return holds;
 }

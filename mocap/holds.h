@@ -8,8 +8,8 @@
 
 namespace vultus::mocap {
 
-/// RMS speed of the markers of a take in head coordinates, mm/s, smoothed over 0.1 s; one a frame, NaN where too few
-/// markers are seen.
+/// RMS speed of the tenth of the markers (three at least) that moves most, of a take in head coordinates, mm/s,
+/// smoothed over 0.1 s; one a frame, NaN where too few markers are seen.
 std::vector<double> face_speeds(const Take& clean);
 
 /// The frames around `frame`, at most `reach` to either side, over which the face is about as still as at `frame`.
@@ -21,8 +21,9 @@ Points mean_pose(const Take& clean, std::pair<int, int> frames);
 /// RMS distance of the samples in the frames from `pose`, mm.
 double spread_about(const Take& clean, std::pair<int, int> frames, const Points& pose);
 
-/// RMS distance over the markers seen in both; infinite when there are none.
-double rms_distance(const Points& a, const Points& b);
+/// RMS distance over the tenth (three at least) of the markers seen in both that are farthest apart, so that a pose of
+/// the lids counts as much as one of the jaw; infinite when there are none.
+double pose_distance(const Points& a, const Points& b);
 
 struct NeutralChoice {
   Points pose;               ///< over all rests of the neutral

@@ -116,13 +116,14 @@ KeyPoses find_key_poses(const Take& clean, const std::vector<std::string>& poses
   std::vector<Candidate> candidates;
   for (const Range& hold : holds) {
     const Points pose = mean_pose(clean, hold);
-    const double motion = rms_distance(pose, neutral.pose);
+    const double motion = pose_distance(pose, neutral.pose);
     if (motion >= options.least_motion_mm) candidates.push_back({hold, motion, spread_about(clean, hold, pose)});
   }
   if (candidates.size() < wanted.size()) {
     throw InputError("take '" + clean.name + "': " + std::to_string(candidates.size()) +
                      " rests away from neutral for " + std::to_string(wanted.size()) +
-                     " poses; give the frames in training.json");
+                     " poses; give the frames in training.json, or leave out poses that no marker shows (closed eyes "
+                     "without markers on the lids)");
   }
   KeyPoses result;
   result.labels = clean.labels;

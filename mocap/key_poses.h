@@ -29,7 +29,7 @@ KeyPoses key_poses(const Take& clean, const std::filesystem::path& training_json
 
 struct HoldOptions {
   double least_seconds = 0.25;   ///< shorter rests are no holds, > 0
-  double least_motion_mm = 1.0;  ///< RMS distance of a pose from neutral at least, > 0
+  double least_motion_mm = 1.0;  ///< `pose_distance` of a pose from neutral at least, > 0
   void validate() const;         ///< throws `UsageError`
 };
 
