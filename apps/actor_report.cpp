@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/review_encoding.h"
+
 namespace vultus::apps {
 namespace {
 
@@ -24,21 +26,6 @@ td, th { padding: 2px 14px 2px 0; text-align: right; font-variant-numeric: tabul
 th { color: #6a6f78; font-weight: 500; } summary { cursor: pointer; color: #6a6f78; } a { color: inherit; }
 )";
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
-
 std::string number(const json& value, const char* format = "%.2f") {
   if (!value.is_number()) return "–";
   char text[32];
@@ -49,7 +36,7 @@ std::string number(const json& value, const char* format = "%.2f") {
 std::string list(const json& lines) {
   std::string html;
   for (const json& line : lines)
-    if (line.is_string()) html += "<li>" + escaped(line.get<std::string>()) + "</li>";
+    if (line.is_string()) html += "<li>" + html_text(line.get<std::string>()) + "</li>";
   return html.empty() ? html : "<ul>" + html + "</ul>";
 }
 
@@ -93,7 +80,7 @@ std::string seal_lines(const json& seals) {
             number(seal.value("mesh_mm", json()), "%.1f") + " mm" +
             (scan.is_number() ? ", in the scan by " + number(scan, "%.1f") : ", the scan does not tell");
   }
-  return text.empty() ? text : "<p class=\"dim\">" + escaped(text) + "</p>";
+  return text.empty() ? text : "<p class=\"dim\">" + html_text(text) + "</p>";
 }
 
 std::string details(const std::string& title, const json& lines) {
@@ -103,11 +90,11 @@ std::string details(const std::string& title, const json& lines) {
 
 std::string pose_section(const json& pose) {
   const std::string name = pose.value("pose", std::string());
-  std::string html = "<section id=\"" + escaped(name) + "\"><h3>" + escaped(name) + " " + badge(pose) + "</h3>";
+  std::string html = "<section id=\"" + html_text(name) + "\"><h3>" + html_text(name) + " " + badge(pose) + "</h3>";
   html += list(pose.value("reasons", json::array()));
   if (const std::string picture = pose.value("picture", std::string()); !picture.empty()) {
-    html += "<figure><img loading=\"lazy\" alt=\"" + escaped(name) + "\" src=\"" +
-            escaped(std::filesystem::path(picture).filename().string()) +
+    html += "<figure><img loading=\"lazy\" alt=\"" + html_text(name) + "\" src=\"" +
+            html_text(std::filesystem::path(picture).filename().string()) +
             "\"><figcaption><span>scan as cleaned; removed red, invented blue</span><span>result</span>"
             "<span>distance to the scan, light 0 to dark 1 mm; grey: no data</span><span>the whole scan</span>"
             "</figcaption></figure>";
@@ -123,9 +110,9 @@ std::string where_to_look(const json& poses) {
   for (const std::string verdict : {"fail", "warn"})
     for (const json& pose : poses) {
       if (pose.value("verdict", "pass") != verdict) continue;
-      const std::string name = escaped(pose.value("pose", std::string()));
+      const std::string name = html_text(pose.value("pose", std::string()));
       html += "<li>" + badge(pose) + " <a href=\"#" + name + "\">" + name +
-              "</a>: " + escaped(pose.value("reason", std::string())) + "</li>";
+              "</a>: " + html_text(pose.value("reason", std::string())) + "</li>";
     }
   return html.empty() ? "<p>Nothing stands out: every pose passed.</p>" : "<ul>" + html + "</ul>";
 }
@@ -137,10 +124,10 @@ std::string actor_report_page(const std::string& actor, const json& report) {
   std::map<std::string, int> counts;
   for (const json& pose : poses) ++counts[pose.value("verdict", "pass")];
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Registration of " +
-                     escaped(actor) + "</title><style>" + style + "</style></head><body><h1>Registration of " +
-                     escaped(actor) + "</h1><p class=\"dim\">template " +
-                     escaped(report.value("template", std::string())) + ", method " +
-                     escaped(report.value("method", std::string())) + "; " + std::to_string(counts["pass"]) +
+                     html_text(actor) + "</title><style>" + style + "</style></head><body><h1>Registration of " +
+                     html_text(actor) + "</h1><p class=\"dim\">template " +
+                     html_text(report.value("template", std::string())) + ", method " +
+                     html_text(report.value("method", std::string())) + "; " + std::to_string(counts["pass"]) +
                      " passed, " + std::to_string(counts["warn"]) + " to look at, " + std::to_string(counts["fail"]) +
                      " failed</p><h2>Where to look</h2>" + where_to_look(poses) +
                      list(report.value("warnings", json::array())) + "<h2>Poses</h2>";

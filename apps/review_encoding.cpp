@@ -98,6 +98,24 @@ std::string json_text(std::string_view json) {
   return result;
 }
 
+std::string html_text(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&') {
+      result += "&amp;";
+    } else if (c == '<') {
+      result += "&lt;";
+    } else if (c == '>') {
+      result += "&gt;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
 std::string style_text(std::string_view text) { return broken_up(text, "</style"); }
 
 }  // namespace vultus::apps

@@ -31,6 +31,8 @@ nlohmann::json finite_or_null(double value);
 std::string script_text(std::string_view text);
 /// JSON that may stand between <script> tags: every '<' as \u003c.
 std::string json_text(std::string_view json);
+/// Text of an HTML element or of an attribute in double quotes.
+std::string html_text(std::string_view text);
 /// Text between <style> tags.
 std::string style_text(std::string_view text);
 

@@ -120,6 +120,26 @@ void add_stabilization(const ReviewTake& take, Findings& findings) {
                       take.name, "", "", worst});
 }
 
+void add_repairs(const ReviewTake& take, Findings& findings) {
+  if (!take.samples) return;
+  for (const mocap::JigSlip& slip : take.samples->slips) {
+    findings.push_back(
+        {Severity::look,
+         fmt::format("Jig marker {} slips by {:.1f} mm at frame {}", slip.label, slip.distance, slip.frame), take.name,
+         "", "", slip.frame});
+  }
+  const auto& edits = take.samples->label_edits;
+  if (edits.empty()) return;
+  const auto& unsure = *std::ranges::min_element(edits, {}, &mocap::LabelEdit::score);
+  const mocap::LabelMove& move = unsure.moves.front();
+  constexpr double kUnsure = 0.6;  // of the misfit taken away; a swap repaired takes away nine tenths
+  findings.push_back({unsure.score < kUnsure ? Severity::look : Severity::note,
+                      fmt::format("{} of labels; the least certain: {} of {} at frame {}",
+                                  edits.size() == 1 ? "1 repair" : std::to_string(edits.size()) + " repairs",
+                                  mocap::name_of(unsure.kind), move.to.empty() ? move.from : move.to, unsure.first()),
+                      take.name, "", move.to.empty() ? move.from : move.to, unsure.first()});
+}
+
 const char* severity_name(Severity severity) {
   switch (severity) {
     case Severity::problem:
@@ -154,6 +174,7 @@ std::vector<Finding> find_what_stands_out(const ReviewSession& session) {
     }
     add_gaps(take, findings);
     add_stabilization(take, findings);
+    add_repairs(take, findings);
   }
   // What was measured here comes before what the stages said on their way.
   add_warnings(session.facts, "", findings);

@@ -20,8 +20,8 @@ struct Finding {
 };
 
 /// What stands out in a session, most severe first: registrations that did not pass, regional errors above the global
-/// ones, the worst markers and frames, long or uncertain gaps, unsteady stabilization, warnings of the stages, files
-/// that are missing.
+/// ones, the worst markers and frames, long or uncertain gaps, unsteady stabilization, slips of the jig, repairs of
+/// labels, warnings of the stages, files that are missing.
 std::vector<Finding> find_what_stands_out(const ReviewSession& session);
 
 }  // namespace vultus::apps

@@ -71,28 +71,13 @@ std::string filled(std::string_view skeleton, const std::map<std::string_view, s
   return page;
 }
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else
-      result += c;
-  }
-  return result;
-}
-
 std::string page_text(const std::string& title, const nlohmann::json& data, const std::string& library_text) {
   std::string scripts;
   for (const char* name : {"data.js", "colours.js", "head.js", "charts.js", "tables.js", "repairs.js", "gaps.js",
                            "cleaning.js", "page.js"}) {
     scripts += std::string(review_asset(name)) + "\n";
   }
-  return filled(review_asset("page.html"), {{"TITLE", escaped(title)},
+  return filled(review_asset("page.html"), {{"TITLE", html_text(title)},
                                             {"STYLE", style_text(review_asset("page.css"))},
                                             {"LIBRARIES", script_text(library_text)},
                                             {"DATA", json_text(data.dump())},

@@ -3,11 +3,10 @@ const SERIES = ['#e0a458', '#7fb0d6', '#8fbf7f', '#d17a7a', '#a58bd1', '#5fb8b0'
 
 // Told apart with any colour vision (after Okabe and Ito); holes are hatched besides.
 const GAP_COLOURS = {
-  missing: '#ff7f50', spline: '#56b4e9', rigid_group: '#1fb488', local_frame: '#d58ab8', low_rank: '#e69f00', repaired: '#f0e442',
+  missing: '#ff7f50', spline: '#56b4e9', rigid_group: '#1fb488', local_frame: '#d58ab8', low_rank: '#e69f00',
 };
 const GAP_NAMES = {
   missing: 'left open', spline: 'spline', rigid_group: 'rigid group', local_frame: 'local frame', low_rank: 'from the other markers',
-  repaired: 'repaired',
 };
 
 // Regions: hues spread by the golden angle at one lightness, so that neighbours in the list differ.

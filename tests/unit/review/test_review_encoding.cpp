@@ -34,6 +34,8 @@ TEST(ReviewEncoding, NothingEndsAScriptEarly) {
   EXPECT_EQ(style_text("</style>"), "<\\/style>");
 }
 
+TEST(ReviewEncoding, HtmlTextHasNoMarkup) { EXPECT_EQ(html_text("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;"); }
+
 TEST(ReviewEncoding, JsonStaysTheSameJson) {
   const nlohmann::json json = {{"name", "</script><!-- <b> \\ \""}};
   const std::string text = json_text(json.dump());
