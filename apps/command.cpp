@@ -143,9 +143,10 @@ CLI::App& CommandTable::add(const std::string& words, const std::string& summary
     const std::string group = words.substr(0, space);
     const auto known = subcommand_names(*parent);
     const bool is_new = std::find(known.begin(), known.end(), group) == known.end();
-    const std::string group_summary = group == "bench" ? "Figures measured against truth" : "The " + group + " stage alone";
-    parent = is_new ? parent->add_subcommand(group, group_summary)->require_subcommand(1)
-                    : parent->get_subcommand(group);
+    const std::string group_summary =
+        group == "bench" ? "Figures measured against truth" : "The " + group + " stage alone";
+    parent =
+        is_new ? parent->add_subcommand(group, group_summary)->require_subcommand(1) : parent->get_subcommand(group);
   }
   auto command = std::make_unique<Command>();
   command->words = words;
@@ -228,17 +229,31 @@ void check_name(const std::string& what, const std::string& name, const std::vec
   throw UsageError("unknown " + what + " \"" + name + "\"" + did_you_mean(name, names));
 }
 
-void add_choice(CLI::App& app, const std::string& option, std::string& value, const std::string& summary,
-                const std::vector<std::string>& names) {
+namespace {
+
+/// What is shown of a choice, and what refuses other words.
+void limit_to(const std::vector<std::string>& names, CLI::Option& option) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : "|") + name;
-  app.add_option(option, value, summary)
-      ->type_name(list)
-      ->capture_default_str()
-      ->check([names](const std::string& word) {
-        if (std::find(names.begin(), names.end(), word) != names.end()) return std::string();
-        return "unknown value \"" + word + "\"" + did_you_mean(word, names);
-      });
+  option.type_name(list)->check([names](const std::string& word) {
+    if (std::find(names.begin(), names.end(), word) != names.end()) return std::string();
+    return "unknown value \"" + word + "\"" + did_you_mean(word, names);
+  });
+}
+
+}  // namespace
+
+void add_choice(CLI::App& app, const std::string& option, std::string& value, const std::string& summary,
+                const std::vector<std::string>& names) {
+  limit_to(names, *app.add_option(option, value, summary)->capture_default_str());
+}
+
+void add_choice(CLI::App& app, const std::string& option, const std::string& standard, const std::string& summary,
+                const std::vector<std::string>& names, const std::function<void(std::size_t)>& chosen) {
+  const auto set = [names, chosen](const std::string& word) {
+    chosen(static_cast<std::size_t>(std::find(names.begin(), names.end(), word) - names.begin()));
+  };
+  limit_to(names, *app.add_option_function<std::string>(option, set, summary)->default_str(standard));
 }
 
 }  // namespace vultus::apps

@@ -74,6 +74,24 @@ class CommandTable {
 void add_choice(CLI::App& app, const std::string& option, std::string& value, const std::string& summary,
                 const std::vector<std::string>& names);
 
+/// The same; `chosen` is given the number of the name, and only called when the option is used.
+void add_choice(CLI::App& app, const std::string& option, const std::string& standard, const std::string& summary,
+                const std::vector<std::string>& names, const std::function<void(std::size_t)>& chosen);
+
+/// The same for values that have names; `value` holds the standard one and must outlive the parsing.
+template <class Value>
+void add_choice(CLI::App& app, const std::string& option, Value& value, const std::string& summary,
+                const std::vector<std::pair<std::string, Value>>& choices) {
+  std::vector<std::string> names;
+  std::string standard;
+  for (const auto& [name, choice] : choices) {
+    names.push_back(name);
+    if (choice == value) standard = name;
+  }
+  add_choice(app, option, standard, summary, names,
+             [&value, choices](std::size_t number) { value = choices[number].second; });
+}
+
 /// Throws `UsageError` naming the nearest of `names` unless `name` is one of them.
 void check_name(const std::string& what, const std::string& name, const std::vector<std::string>& names);
 

@@ -10,7 +10,6 @@ namespace {
 struct Arguments {
   TakeArguments files;
   mocap::FillOptions options;
-  std::string method = "automatic";
 };
 
 const std::vector<std::pair<std::string, mocap::GapMethod>> kMethods = {{"automatic", mocap::GapMethod::automatic},
@@ -21,9 +20,6 @@ const std::vector<std::pair<std::string, mocap::GapMethod>> kMethods = {{"automa
 ExitCode fill(const Arguments& arguments, Run& run) {
   mocap::FillOptions options = arguments.options;
   options.seed = run.seed();
-  for (const auto& [name, method] : kMethods) {
-    if (name == arguments.method) options.method = method;
-  }
   const mocap::Filled filled = mocap::fill_gaps(read_step(arguments.files, run), options);
   for (const std::string& line : filled.decisions) run.progress().note(line);
   run.print("marker,first,last,method,expected_error_mm");
@@ -44,15 +40,13 @@ ExitCode fill(const Arguments& arguments, Run& run) {
 
 void add_mocap_fill(CommandTable& table) {
   auto arguments = std::make_shared<Arguments>();
-  std::vector<std::string> names;
-  for (const auto& [name, method] : kMethods) names.push_back(name);
   CLI::App& app = table.add("mocap fill", "Gaps of a stabilized take filled, each listed with its expected error",
                             "vultus mocap fill head.c3d --out filled.c3d > gaps.csv\n"
                             "Gaps that cannot be filled within --hole-above stay holes.",
                             {.seed = true}, [arguments](Run& run) { return fill(*arguments, run); });
   add_take_options(app, arguments->files);
-  add_choice(app, "--method", arguments->method, "automatic: for each length of gap what does best on this take",
-             names);
+  add_choice(app, "--method", arguments->options.method,
+             "automatic: for each length of gap what does best on this take", kMethods);
   app.add_option("--spline", arguments->options.spline_seconds, "Splines bridge gaps up to this long, seconds")
       ->capture_default_str();
   app.add_option("--hole-above", arguments->options.hole_above_mm,

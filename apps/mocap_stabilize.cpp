@@ -10,7 +10,6 @@ namespace {
 struct Arguments {
   TakeArguments files;
   mocap::StabilizeOptions options;
-  std::string method = "automatic";
 };
 
 const std::vector<std::pair<std::string, mocap::HeadMethod>> kMethods = {
@@ -20,11 +19,7 @@ const std::vector<std::pair<std::string, mocap::HeadMethod>> kMethods = {
     {"three-point", mocap::HeadMethod::three_point}};
 
 ExitCode stabilize(const Arguments& arguments, Run& run) {
-  mocap::StabilizeOptions options = arguments.options;
-  for (const auto& [name, method] : kMethods) {
-    if (name == arguments.method) options.method = method;
-  }
-  const mocap::Stabilized head = mocap::stabilize(read_step(arguments.files, run), options);
+  const mocap::Stabilized head = mocap::stabilize(read_step(arguments.files, run), arguments.options);
   for (const std::string& line : head.decisions) run.progress().note(line);
   nlohmann::json residuals = nlohmann::json::array();
   for (const mocap::HeadPose& pose : head.poses) {
@@ -42,16 +37,14 @@ ExitCode stabilize(const Arguments& arguments, Run& run) {
 
 void add_mocap_stabilize(CommandTable& table) {
   auto arguments = std::make_shared<Arguments>();
-  std::vector<std::string> names;
-  for (const auto& [name, method] : kMethods) names.push_back(name);
   CLI::App& app = table.add("mocap stabilize", "The head's motion taken out of a take",
                             "vultus mocap stabilize raw.c3d --out head.c3d --json residuals.json\n"
                             "  vultus mocap stabilize raw.c3d --jig H1 H2 H3 --method three-point --out head.c3d",
                             {}, [arguments](Run& run) { return stabilize(*arguments, run); });
   add_take_options(app, arguments->files);
-  add_choice(app, "--method", arguments->method,
+  add_choice(app, "--method", arguments->options.method,
              "automatic: the jig where there is one, else the steadiest markers of the face; three-point: as Zhu 2006",
-             names);
+             kMethods);
   app.add_option("--jig", arguments->options.jig, "Labels of the head's markers (default: those that look like it)")
       ->type_name("LABEL…");
   app.add_option("--nose-tip", arguments->options.nose_tip, "Take the translation from this marker (Zhu 2006 §6.1)")
