@@ -9,6 +9,9 @@
 
 namespace vultus::registration {
 
+/// Rims are taken for sealed up to this `scan_gap`, mm: the widest groove that a scan shows between them.
+inline constexpr double sealed_groove = 1.2;
+
 /// How far two rims of skin that can touch stand apart, in the result and in the scan.
 struct Seal {
   std::string name;                        ///< "lips", "left lids", "right lids"

@@ -53,7 +53,8 @@ std::vector<int> fitted_face(const RefinedTemplate& model) {
 std::vector<std::pair<int, int>> sealed_pairs(const Template& head, const Points& positions, const ScanSurface& scan) {
   std::vector<std::pair<int, int>> pairs;
   for (const Seal& seal : find_seals(head, positions, scan))
-    if (seal.scan_gap >= 0.0 && seal.scan_gap <= 0.5) pairs.insert(pairs.end(), seal.pairs.begin(), seal.pairs.end());
+    if (seal.scan_gap >= 0.0 && seal.scan_gap <= sealed_groove)
+      pairs.insert(pairs.end(), seal.pairs.begin(), seal.pairs.end());
   return pairs;
 }
 

@@ -149,7 +149,7 @@ void check_seals(const QualityLimits& limits, const Quality& quality, Reasons& r
     if (seal.mesh_gap <= limits.sealed_gap && seal.scan_gap >= limits.open_gap)
       reasons.warn("the " + seal.name + " are sealed in the mesh but " + number(seal.scan_gap, "%.1f") +
                    " mm open in the scan");
-    if (seal.mesh_gap >= limits.open_gap && seal.scan_gap < 1.2)
+    if (seal.mesh_gap >= limits.open_gap && seal.scan_gap < sealed_groove)
       reasons.warn("the " + seal.name + " are " + number(seal.mesh_gap, "%.1f") +
                    " mm open in the mesh but sealed in the scan");
   }

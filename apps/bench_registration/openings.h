@@ -13,8 +13,8 @@ struct Opening {
   std::string name;  ///< "lips", "right lids", "left lids"
   double truly = 0.0, found = 0.0;
   double thickness = 0.0;  ///< mm by which the pairs stand apart even then
-  /// Sealed (truly within half a millimetre) stays within a millimetre; open stays open by half at least.
-  bool right() const { return truly <= thickness + 0.5 ? found <= thickness + 1.0 : found >= 0.5 * truly; }
+  /// Sealed (within a millimetre) stays sealed; open stays open by half at least.
+  bool right() const { return truly <= thickness + 1.0 ? found <= thickness + 1.0 : found >= 0.5 * truly; }
 };
 
 /// By the template's own touching rims or, where it has none, by the inner points of the 68-point scheme; nothing for a
