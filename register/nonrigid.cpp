@@ -48,18 +48,18 @@ struct Matches {
 // Tangent planes for every `stride`-th fitted vertex, weighted by Tukey's function of the distance to the plane and by
 // how well the normals agree; weights sum to about one a node.
 Matches find_matches(const Topology& topology, const Points& positions, const std::vector<int>& vertices,
-                     const ScanSurface& scan, double limit, double least_cosine, int node_count) {
+                     const ScanSurface& scan, double limit, const NonrigidOptions& options, int node_count) {
   const Points normals = vertex_normals(topology, positions);
   std::vector<std::optional<Correspondence>> found(vertices.size());
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
-    found[i] = scan.nearest(positions.row(vertices[i]), normals.row(vertices[i]), limit, least_cosine);
+    found[i] = scan.nearest(positions.row(vertices[i]), normals.row(vertices[i]), limit, options.least_cosine);
   });
   std::vector<double> residuals;
   for (const auto& place : found)
     if (place) residuals.push_back(place->distance);
   Matches matches;
   if (residuals.empty()) return matches;
-  const double spread = std::max(0.5, 3.0 * 1.4826 * median(residuals));
+  const double spread = std::max(options.least_spread, 3.0 * 1.4826 * median(residuals));
   for (double residual : residuals) matches.mean_distance += residual / static_cast<double>(residuals.size());
   const double unit = static_cast<double>(node_count) / static_cast<double>(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -95,6 +95,7 @@ void Annealing::validate() const {
 void NonrigidOptions::validate() const {
   if (!(fine_spacing > 0 && face_spacing > 0 && far_spacing > 0))
     throw InputError("non-rigid refinement: node spacings must be positive");
+  if (!(least_spread > 0)) throw InputError("non-rigid refinement: the spread of residuals must be positive");
   if (!(rigidity >= 0)) throw InputError("non-rigid refinement: rigidity must not be negative");
   annealing.validate();
 }
@@ -148,7 +149,7 @@ void NonrigidFit::anneal(const Pulls& pulls, const Annealing& annealing, Progres
     const double limit = between(annealing.first_limit, annealing.last_limit, t);
     for (int step = 0; step < annealing.steps_a_stage; ++step) {
       const Matches matches =
-          find_matches(topology_, result_.positions, vertices, scan_, limit, options_.least_cosine, graph_.size());
+          find_matches(topology_, result_.positions, vertices, scan_, limit, options_, graph_.size());
       if (result_.steps++ == 0) result_.initial_error = matches.mean_distance;
       result_.final_error = matches.mean_distance;
       drawn.resize(lasting);

@@ -114,8 +114,12 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   const Points start = model.loop(map(head.neutral));
   const Points rest = transformed(head_on_scan(model, alignment.scan_from_template, input.scan), model.neutral);
   NonrigidOptions options;
+  // Features that do not fit yet (lids, a deep nose ridge) tell where skin belongs along the surface: they must count
+  // beside the smooth skin that fits at once.
+  options.least_spread = 1.5;
   options.rigidity = 0.05;
   options.annealing.first_stiffness = 3.0;
+  options.annealing.last_stiffness = 0.001;
   options.annealing.last_points = 0.0003;
   NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
   Pulls pulls = landmark_pulls(fit.anchors);

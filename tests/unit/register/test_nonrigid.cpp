@@ -188,12 +188,54 @@ TEST(FitNonrigid, FollowsASmoothWarpToTheSurface) {
   EXPECT_LT(to_place[to_place.size() / 2], 3.0);
 }
 
+// A level sheet of 2 mm squares, 80 mm wide; a round place of 15 mm radius in its middle is raised.
+Mesh raised_sheet(double height) {
+  constexpr int side = 41;
+  Mesh sheet;
+  sheet.positions.resize(side * side, 3);
+  Triangles triangles(2 * (side - 1) * (side - 1), 3);
+  int t = 0;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double x = 2.0 * i - side + 1, y = 2.0 * j - side + 1;
+      sheet.positions.row(side * i + j) << x, y, std::hypot(x, y) < 15.0 ? height : 0.0;
+      if (i + 1 == side || j + 1 == side) continue;
+      const int a = side * i + j;
+      triangles.row(t++) << a, a + side, a + side + 1;
+      triangles.row(t++) << a, a + side + 1, a + 1;
+    }
+  sheet.topology = Topology::from_triangles(side * side, triangles);
+  return sheet;
+}
+
+TEST(NonrigidFit, SkinFartherOffThanTwiceTheSpreadIsNotHeard) {
+  const double height = 2.0;
+  const Mesh model = raised_sheet(0.0), scan = raised_sheet(height);
+  const ScanSurface surface(scan);
+  const Points none(0, 3);
+  const auto middle = [&](double spread) {
+    NonrigidOptions options;
+    options.far_spacing = 8.0;
+    options.least_spread = spread;
+    NonrigidFit fit(*model.topology, model.positions, model.positions, everywhere(model), surface, none, options);
+    fit.anneal({}, {}, Progress::none());
+    return fit.positions()(20 * 41 + 20, 2);
+  };
+  // Nine tenths of the sheet lie on the scan, so that the least spread decides: 1 mm of reach does not get there, 3 mm
+  // do.
+  EXPECT_LT(middle(0.5), 0.2 * height);
+  EXPECT_GT(middle(1.5), 0.8 * height);
+}
+
 TEST(FitNonrigid, RefusesWrongOptions) {
   NonrigidOptions options;
   options.annealing.stages = 0;
   EXPECT_THROW(options.validate(), InputError);
   options = {};
   options.fine_spacing = -1.0;
+  EXPECT_THROW(options.validate(), InputError);
+  options = {};
+  options.least_spread = 0.0;
   EXPECT_THROW(options.validate(), InputError);
 }
 
