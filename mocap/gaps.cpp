@@ -194,26 +194,49 @@ class Methods {
   std::unique_ptr<GapErrors> spline_errors_, group_errors_, regression_errors_;
 };
 
-/// Fills one gap in place by the first method that can and is good enough.
-void fill(const Methods& methods, const FillOptions& options, Gap& gap, Filled& filled) {
+/// What a gap is filled with; single precision, as takes are large.
+struct Filling {
+  std::vector<float> places, expected;  // frames × 3, frames; mm
+};
+
+/// By the first method that can and is good enough; empty when there is none.
+Filling filling(const Methods& methods, const FillOptions& options, Gap& gap) {
   for (const Origin method : methods.order(gap)) {
     const auto guess = methods.guess(method, gap);
     if (!guess || !guess->places.allFinite()) continue;
-    std::vector<double> expected;
+    Filling result;
+    double largest = 0.0;
     for (int f = gap.first; f <= gap.last; ++f) {
-      expected.push_back(methods.expected(method, gap, f, guess->scale(f - gap.first)));
+      const double expected = methods.expected(method, gap, f, guess->scale(f - gap.first));
+      largest = std::max(largest, std::isfinite(expected) ? expected : options.hole_above_mm + 1.0);
+      result.expected.push_back(static_cast<float>(expected));
+      for (int c = 0; c < 3; ++c) result.places.push_back(static_cast<float>(guess->places(f - gap.first, c)));
     }
-    const double largest = *std::max_element(expected.begin(), expected.end());
     if (!(largest <= options.hole_above_mm)) continue;
     gap.method = method;
     gap.expected_error = largest;
-    for (int f = gap.first; f <= gap.last; ++f) {
-      const std::size_t i = filled.take.index(f, gap.marker);
-      filled.take.set(f, gap.marker, guess->places.row(f - gap.first).transpose());
-      filled.origins[i] = method;
-      filled.expected_errors[i] = static_cast<float>(expected[static_cast<std::size_t>(f - gap.first)]);
-    }
-    return;
+    return result;
+  }
+  return {};
+}
+
+std::vector<Filling> fillings(const Take& take, const FillOptions& options, std::vector<Gap>& gaps) {
+  std::vector<Filling> result(gaps.size());
+  if (gaps.empty()) return result;
+  const Methods methods(take, gaps, options);
+  tbb::parallel_for(std::size_t{0}, gaps.size(),
+                    [&](std::size_t i) { result[i] = filling(methods, options, gaps[i]); });
+  return result;
+}
+
+void put(const Gap& gap, const Filling& filling, Filled& filled) {
+  for (std::size_t k = 0; k < filling.expected.size(); ++k) {
+    const int f = gap.first + static_cast<int>(k);
+    const std::size_t i = filled.take.index(f, gap.marker);
+    std::copy_n(filling.places.data() + 3 * k, 3, filled.take.positions.data() + 3 * i);
+    filled.take.present[i] = 1;
+    filled.origins[i] = gap.method;
+    filled.expected_errors[i] = filling.expected[k];
   }
 }
 
@@ -240,19 +263,19 @@ std::vector<Gap> find_gaps(const Take& take) {
   return gaps;
 }
 
-Filled fill_gaps(const Take& take, const FillOptions& options) {
+Filled fill_gaps(Take take, const FillOptions& options) {
   options.validate();
   Filled filled;
-  filled.take = take;
   filled.gaps = find_gaps(take);
-  filled.origins.resize(take.present.size());
-  std::transform(take.present.begin(), take.present.end(), filled.origins.begin(),
+  // What the methods hold is given back before the arrays of the result are made.
+  const std::vector<Filling> found = fillings(take, options, filled.gaps);
+  filled.take = std::move(take);
+  filled.origins.resize(filled.take.present.size());
+  std::transform(filled.take.present.begin(), filled.take.present.end(), filled.origins.begin(),
                  [](std::uint8_t here) { return here != 0 ? Origin::measured : Origin::missing; });
-  filled.expected_errors.assign(take.present.size(), 0.0F);
+  filled.expected_errors.assign(filled.take.present.size(), 0.0F);
   if (filled.gaps.empty()) return filled;
-  const Methods methods(take, filled.gaps, options);
-  tbb::parallel_for(std::size_t{0}, filled.gaps.size(),
-                    [&](std::size_t i) { fill(methods, options, filled.gaps[i], filled); });
+  for (std::size_t i = 0; i < found.size(); ++i) put(filled.gaps[i], found[i], filled);
   const auto holes = std::count_if(filled.gaps.begin(), filled.gaps.end(),
                                    [](const Gap& gap) { return gap.method == Origin::missing; });
   filled.decisions.push_back("gaps: " + std::to_string(filled.gaps.size()) + " found, " +

@@ -50,6 +50,6 @@ struct Filled {
 /// (Sánchez 2003 §5.2) tied to the samples at the gap's ends. About 70 % of the true samples lie within the expected
 /// error, which comes from gaps of the same kinds cut into the take's own visible samples. Gaps without enough
 /// neighbours stay holes.
-Filled fill_gaps(const Take& take, const FillOptions& options = {});
+Filled fill_gaps(Take take, const FillOptions& options = {});
 
 }  // namespace vultus::mocap
