@@ -24,7 +24,7 @@ int lonely_frames(const CleanReport& report, const Gap& gap) {
 enum class Reason { never_seen, lonely, unsure };
 
 Reason reason_of(const CleanReport& report, const Gap& gap) {
-  if (static_cast<std::size_t>(gap.frames()) == report.head_residuals.size()) return Reason::never_seen;
+  if (gap.frames() * report.labels.size() == report.origins.size()) return Reason::never_seen;
   return lonely_frames(report, gap) > 0 ? Reason::lonely : Reason::unsure;
 }
 

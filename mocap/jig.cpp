@@ -70,8 +70,7 @@ Eigen::RowVector3d place_on_body(const Take& take, const std::string& label, con
     const Eigen::Vector3d at = pose.world_from_head.inverse() * take.at(f, column);
     for (int c = 0; c < 3; ++c) values[c].push_back(at[c]);
   }
-  return {quantile(std::move(values[0]), 0.5), quantile(std::move(values[1]), 0.5),
-          quantile(std::move(values[2]), 0.5)};
+  return {median(std::move(values[0])), median(std::move(values[1])), median(std::move(values[2]))};
 }
 
 /// The jig of one take, from which slipped markers are taken out one by one, the largest slip first: a loose marker

@@ -45,7 +45,7 @@ class Path {
       }
       if (2 * static_cast<int>(values[0].size()) < last - first + 1) continue;
       Block block{first, last, Eigen::Vector3d::Zero()};
-      for (int c = 0; c < 3; ++c) block.place[c] = quantile(std::move(values[static_cast<std::size_t>(c)]), 0.5);
+      for (int c = 0; c < 3; ++c) block.place[c] = median(std::move(values[static_cast<std::size_t>(c)]));
       result.push_back(block);
     }
     return result;
@@ -62,7 +62,7 @@ Eigen::Vector3d median_place(const std::vector<Block>& blocks, std::size_t first
   for (int c = 0; c < 3; ++c) {
     std::vector<double> values;
     for (std::size_t i = first; i < end; ++i) values.push_back(blocks[i].place[c]);
-    result[c] = quantile(std::move(values), 0.5);
+    result[c] = median(std::move(values));
   }
   return result;
 }

@@ -97,7 +97,7 @@ double LabelEvidence::misfit(const Tracklet& t, int label) const {
     if (row(f) < 0) continue;
     if (const auto at = model_->predicted(current_, row(f), label)) misses.push_back((*at - place(t, f)).norm());
   }
-  return misses.empty() ? kInf : quantile(std::move(misses), 0.5);
+  return misses.empty() ? kInf : median(std::move(misses));
 }
 
 LabelEvidence::Beside LabelEvidence::trusted_beside(const Tracklet& t, int label, int side) const {
@@ -129,7 +129,7 @@ double LabelEvidence::informed_misfit(const Tracklet& t, int label) const {
     const Eigen::Vector3d offset = (b * before.offset + a * after.offset) / std::max(1.0, a + b);
     misses.push_back((*at + offset - place(t, f)).norm());
   }
-  return misses.empty() ? kInf : quantile(std::move(misses), 0.5);
+  return misses.empty() ? kInf : median(std::move(misses));
 }
 
 double LabelEvidence::end_misfit(const Tracklet& t, int label) const {

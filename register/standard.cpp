@@ -114,7 +114,7 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   const Points start = model.loop(map(head.neutral));
   const Points rest = transformed(head_on_scan(model, alignment.scan_from_template, input.scan), model.neutral);
   NonrigidOptions options;
-  // Another person's lids and nose ridge are farther off than most skin; measured over neutrals, they then help.
+  // Chosen on neutrals of other people whose true vertices are known; an actor's own expressions fit closer.
   options.least_spread = 1.5;
   options.rigidity = 0.05;
   options.annealing.first_stiffness = 3.0;

@@ -47,6 +47,26 @@ inline Mesh bumpy_sphere(int rings, double noise, std::uint64_t seed) {
   return radial_grid(rings, noise, seed, bumpy_radius);
 }
 
+/// `columns` × `rows` vertices at `place(column, row)`, row after row; seen from +z where columns run along x, rows
+/// along y.
+template <typename Place>
+Mesh grid(int columns, int rows, Place place) {
+  Mesh mesh;
+  mesh.positions.resize(columns * rows, 3);
+  Triangles triangles(2 * (columns - 1) * (rows - 1), 3);
+  int t = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const int a = r * columns + c;
+      mesh.positions.row(a) = Eigen::Vector3d(place(c, r)).transpose();
+      if (r + 1 == rows || c + 1 == columns) continue;
+      triangles.row(t++) << a, a + 1, a + columns + 1;
+      triangles.row(t++) << a, a + columns + 1, a + columns;
+    }
+  mesh.topology = Topology::from_triangles(columns * rows, triangles);
+  return mesh;
+}
+
 inline std::vector<int> every(const Mesh& mesh, int stride) {
   std::vector<int> some;
   for (int v = 0; v < mesh.topology->vertex_count(); v += stride) some.push_back(v);

@@ -191,21 +191,10 @@ TEST(FitNonrigid, FollowsASmoothWarpToTheSurface) {
 // A level sheet of 2 mm squares, 80 mm wide; a round place of 15 mm radius in its middle is raised.
 Mesh raised_sheet(double height) {
   constexpr int side = 41;
-  Mesh sheet;
-  sheet.positions.resize(side * side, 3);
-  Triangles triangles(2 * (side - 1) * (side - 1), 3);
-  int t = 0;
-  for (int i = 0; i < side; ++i)
-    for (int j = 0; j < side; ++j) {
-      const double x = 2.0 * i - side + 1, y = 2.0 * j - side + 1;
-      sheet.positions.row(side * i + j) << x, y, std::hypot(x, y) < 15.0 ? height : 0.0;
-      if (i + 1 == side || j + 1 == side) continue;
-      const int a = side * i + j;
-      triangles.row(t++) << a, a + side, a + side + 1;
-      triangles.row(t++) << a, a + side + 1, a + 1;
-    }
-  sheet.topology = Topology::from_triangles(side * side, triangles);
-  return sheet;
+  return test::grid(side, side, [&](int c, int r) {
+    const double x = 2.0 * c - side + 1, y = 2.0 * r - side + 1;
+    return Eigen::Vector3d(x, y, std::hypot(x, y) < 15.0 ? height : 0.0);
+  });
 }
 
 TEST(NonrigidFit, SkinFartherOffThanTwiceTheSpreadIsNotHeard) {

@@ -183,22 +183,10 @@ TEST(Fill, PiecesWithoutDataMoveAsOneBody) {
 // `columns` by 21 vertices, `spacing` mm apart along x and 1 mm along y, at `height(x)`.
 template <typename Height>
 Mesh sheet(int columns, double spacing, Height height) {
-  constexpr int rows = 21;
-  Mesh mesh;
-  mesh.positions.resize(columns * rows, 3);
-  Triangles triangles(2 * (columns - 1) * (rows - 1), 3);
-  int t = 0;
-  for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c) {
-      const double x = spacing * (c - 0.5 * (columns - 1));
-      mesh.positions.row(r * columns + c) << x, r - 10.0, height(x);
-      if (r + 1 == rows || c + 1 == columns) continue;
-      const int a = r * columns + c;
-      triangles.row(t++) << a, a + 1, a + columns + 1;
-      triangles.row(t++) << a, a + columns + 1, a + columns;
-    }
-  mesh.topology = Topology::from_triangles(columns * rows, triangles);
-  return mesh;
+  return test::grid(columns, 21, [&](int c, int r) {
+    const double x = spacing * (c - 0.5 * (columns - 1));
+    return Eigen::Vector3d(x, r - 10.0, height(x));
+  });
 }
 
 TEST(SmoothProjection, OffsetsDieAwayWhereTheDataEnds) {

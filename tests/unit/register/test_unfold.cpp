@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "register/unfold.h"
+#include "synthetic_surfaces.h"
 
 namespace vultus::registration {
 namespace {
@@ -13,21 +14,10 @@ constexpr int side = 21;
 
 // A shallow dish of 20 by 20 mm, a vertex a millimetre.
 Mesh dish() {
-  Mesh mesh;
-  mesh.positions.resize(side * side, 3);
-  Triangles triangles(2 * (side - 1) * (side - 1), 3);
-  int t = 0;
-  for (int r = 0; r < side; ++r)
-    for (int c = 0; c < side; ++c) {
-      const double x = c - 10.0, y = r - 10.0;
-      mesh.positions.row(r * side + c) << x, y, 0.02 * (x * x + y * y);
-      if (r + 1 == side || c + 1 == side) continue;
-      const int a = r * side + c;
-      triangles.row(t++) << a, a + 1, a + side + 1;
-      triangles.row(t++) << a, a + side + 1, a + side;
-    }
-  mesh.topology = Topology::from_triangles(side * side, triangles);
-  return mesh;
+  return test::grid(side, side, [](int c, int r) {
+    const double x = c - 10.0, y = r - 10.0;
+    return Eigen::Vector3d(x, y, 0.02 * (x * x + y * y));
+  });
 }
 
 long folds(const Mesh& reference, const Points& positions) {

@@ -5,6 +5,7 @@
 
 #include "core/mesh.h"
 #include "register/template.h"
+#include "synthetic_surfaces.h"
 
 namespace vultus::registration::test {
 
@@ -42,22 +43,10 @@ struct WallFace {
 // A grid of 0.5 mm over the face, `depth(x, y)` behind the wall.
 template <typename Depth>
 Mesh wall(Depth depth) {
-  constexpr int columns = 121, rows = 201;  // 1 mm by 0.5 mm
-  Mesh mesh;
-  mesh.positions.resize(columns * rows, 3);
-  Triangles triangles(2 * (columns - 1) * (rows - 1), 3);
-  int t = 0;
-  for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c) {
-      const double x = c - 60.0, y = 0.5 * r - 30.0;
-      mesh.positions.row(r * columns + c) << x, y, -depth(x, y);
-      if (r + 1 == rows || c + 1 == columns) continue;
-      const int a = r * columns + c;
-      triangles.row(t++) << a, a + 1, a + columns + 1;
-      triangles.row(t++) << a, a + columns + 1, a + columns;
-    }
-  mesh.topology = Topology::from_triangles(columns * rows, triangles);
-  return mesh;
+  return grid(121, 201, [&](int c, int r) {  // 1 mm by 0.5 mm
+    const double x = c - 60.0, y = 0.5 * r - 30.0;
+    return Eigen::Vector3d(x, y, -depth(x, y));
+  });
 }
 
 // Eyes 2 mm behind lids that stand 9 mm in front of the eyes' corners, open by `gap`.
