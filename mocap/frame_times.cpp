@@ -71,7 +71,8 @@ class EvenTake {
       while (before + 1 < read_.frames() && at_[static_cast<std::size_t>(before) + 1] <= f) ++before;
       put(f, before, result);
       const int after = std::min(before + 1, read_.frames() - 1);
-      result.file_frames[static_cast<std::size_t>(f)] = at(after) - f < f - at(before) ? after : before;
+      const bool from_after = at(after) - f <= kOneFrame && at(after) - f < f - at(before);
+      result.file_frames[static_cast<std::size_t>(f)] = from_after ? after : before;
     }
     return result;
   }

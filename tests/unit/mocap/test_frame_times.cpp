@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "mocap/frame_times.h"
+#include "mocap/take_parts.h"
 #include "mocap/trc.h"
 #include "tests/unit/mocap/takes.h"
 
@@ -93,6 +96,49 @@ TEST(FrameTimes, TimesThatFallAreReported) {
   EXPECT_NE(take.decisions.back().find("do not rise"), std::string::npos);
 }
 
+/// Frames of `take` whose number in the file is `n`.
+std::vector<int> frames_numbered(const Take& take, int n) {
+  std::vector<int> frames;
+  for (int f = 0; f < take.frames(); ++f)
+    if (take.file_of_frame(f) == n) frames.push_back(f);
+  return frames;
+}
+
+TEST(FrameTimes, EveryFrameKnowsItsNumberInTheFile) {
+  std::vector<double> times = even(60);
+  times.insert(times.begin() + 40, times[40]);          // one frame twice: the first is taken out
+  times.erase(times.begin() + 30, times.begin() + 33);  // row 30 is frame 33, the two rows 37 and 38
+  Take take = on_parabola(times);
+  const Take read = take;
+  to_even_times(take, times, 0.0);
+  ASSERT_EQ(take.file_frames.size(), 60U);
+  EXPECT_TRUE(std::is_sorted(take.file_frames.begin(), take.file_frames.end()));
+  EXPECT_EQ(frames_numbered(take, 29), (std::vector<int>{29, 30, 31, 32}));  // and what the file lacks behind it
+  EXPECT_EQ(frames_numbered(take, 30), (std::vector<int>{33}));
+  for (int f = 0; f < 60; ++f) {
+    if (!take.has(f, 0)) continue;
+    EXPECT_EQ(take.at(f, 0), read.at(take.file_of_frame(f), 0)) << f;
+  }
+  for (int n = 0; n < read.frames(); ++n) {
+    const int f = take.frame_of_file(n);  // never a frame that the file lacks
+    EXPECT_EQ(take.at(f, 0), read.at(n == 37 ? 36 : n, 0)) << n;
+  }
+  EXPECT_EQ(take.frame_of_file(58), 59);
+}
+
+TEST(FrameTimes, FramesTakenOutLaterKeepTheNumbersOfTheFile) {
+  std::vector<double> times = even(60);
+  times.erase(times.begin() + 30, times.begin() + 33);
+  Take take = on_parabola(times);
+  to_even_times(take, times, 0.0);
+  std::vector<std::uint8_t> keep(60, 1);
+  keep[50] = 0;
+  keep_frames(keep, take);
+  EXPECT_EQ(take.file_of_frame(49), 46);
+  EXPECT_EQ(take.file_of_frame(50), 48);
+  EXPECT_EQ(take.frame_of_file(48), 50);
+}
+
 class FrameTimesFile : public InFolder {};
 
 TEST_F(FrameTimesFile, OfATrcAreUsed) {
@@ -105,6 +151,7 @@ TEST_F(FrameTimesFile, OfATrcAreUsed) {
   EXPECT_FALSE(take.has(10, 0));
   EXPECT_FALSE(take.has(11, 0));
   EXPECT_FLOAT_EQ(static_cast<float>(take.at(29, 0).y()), 29.0F);
+  EXPECT_EQ(take.file_of_frame(29), 27);  // two rows fewer
 }
 
 }  // namespace
