@@ -17,8 +17,7 @@ using Json = nlohmann::json;
 
 constexpr std::pair<Origin, const char*> kNames[] = {
     {Origin::measured, "measured"},       {Origin::missing, "missing"},         {Origin::spline, "spline"},
-    {Origin::rigid_group, "rigid_group"}, {Origin::local_frame, "local_frame"}, {Origin::low_rank, "low_rank"},
-    {Origin::repaired, "repaired"}};
+    {Origin::rigid_group, "rigid_group"}, {Origin::local_frame, "local_frame"}, {Origin::low_rank, "low_rank"}};
 
 Origin origin_named(const std::string& name) {
   for (const auto& [origin, text] : kNames) {

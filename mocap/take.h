@@ -10,8 +10,9 @@
 
 namespace vultus::mocap {
 
-/// How a sample of a cleaned take came to be.
-enum class Origin : std::uint8_t { measured, missing, spline, rigid_group, local_frame, low_rank, repaired };
+/// How a sample of a cleaned take came to be. A measured one that was under a wrong label, or that smoothing moved, is
+/// still measured.
+enum class Origin : std::uint8_t { measured, missing, spline, rigid_group, local_frame, low_rank };
 
 /// A named moment of a take.
 struct Event {
