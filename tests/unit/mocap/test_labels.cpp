@@ -145,6 +145,17 @@ TEST(Labels, FragmentsComeHomeAndPhantomsGo) {
   EXPECT_EQ(repaired.edits.dropped.size(), 40U);
 }
 
+// One marker a metre away in every frame that could be the reference made all triples of the face look like lines.
+TEST(Labels, AMarkerWrittenAsZeroDoesNotHideTheFace) {
+  Take take = moving_face();
+  for (int f = 0; f < take.frames(); ++f) take.set(f, 3, Eigen::Vector3d::Zero());
+  const int a = 9, b = nearest_to(a);
+  exchange(take, a, b, 100, 160);
+  const Relabelled repaired = repair_labels(take);
+  const Take truth = moving_face();
+  for (int f = 100; f <= 160; ++f) ASSERT_EQ(repaired.take.at(f, a), truth.at(f, a)) << f;
+}
+
 class LabelFiles : public InFolder {};
 
 TEST_F(LabelFiles, EveryChangeIsTakenBack) {
