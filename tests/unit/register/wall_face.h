@@ -40,10 +40,10 @@ struct WallFace {
   void put(int i, double x, double y) { positions.row(i) << x, y, 0; }
 };
 
-// A grid of 0.5 mm over the face, `depth(x, y)` behind the wall.
+// A grid of 1 mm by 0.5 mm over the face, `depth(x, y)` behind the wall.
 template <typename Depth>
 Mesh wall(Depth depth) {
-  return grid(121, 201, [&](int c, int r) {  // 1 mm by 0.5 mm
+  return grid(121, 201, [&](int c, int r) {
     const double x = c - 60.0, y = 0.5 * r - 30.0;
     return Eigen::Vector3d(x, y, -depth(x, y));
   });
