@@ -33,6 +33,7 @@ ExitCode clean(const Arguments& arguments, Run& run) {
   const mocap::Cleaned cleaned =
       mocap::clean(mocap::read_take(arguments.take, arguments.reading), options, run.progress());
   for (const std::string& line : cleaned.report.decisions) run.progress().note(line);
+  for (const std::string& line : cleaned.report.warnings) run.warn(line);
   mocap::write_take(arguments.out, cleaned.take);
   if (!arguments.samples.empty()) mocap::write_samples(arguments.samples, cleaned.report);
   if (!arguments.labels.empty()) mocap::write_edits(arguments.labels, cleaned.label_edits);

@@ -31,6 +31,7 @@ mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run
       relabelled = mocap::label_from_layout(raw, mocap::marker_layout(labelled), arguments.options);
     }
     for (const std::string& line : relabelled.decisions) run.progress().note(line);
+    for (const std::string& line : relabelled.warnings) run.warn(line);
     edits = std::move(relabelled.edits);
     take = std::move(relabelled.take);
   }

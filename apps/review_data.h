@@ -42,7 +42,7 @@ namespace vultus::apps {
 //    "table": [{"regions": n, "name": TEXT, "max_mm": x, "min_mm": x, "mean_mm": x}…],     Liu's table 1, global first
 //    "solve": {"frames_per_second": x, "worst_kkt_residual": x}}
 // SESSION/takes/<take>/errors_global.csv   the form of errors.csv, for the global solve.
-// SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals.
+// SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals, warnings.
 // SESSION/takes/<take>/{measured,clean}.c3d  head coordinates, before anything was taken out, filled or smoothed, and after.
 // SESSION/render/<take>/<frame>.{png,jpg}   also in realtime/ and reference/ below <take>.
 // SESSION/render/<take>/film.mp4    (or any .mp4 there) inlined below 8 MB, else linked.

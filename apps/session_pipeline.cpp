@@ -83,6 +83,9 @@ class Session {
     cleaning.gaps.seed = options_.seed;
     cleaning.repair_labels = !options_.keep_labels;
     clean_takes(takes, cleaning, manifest_, progress_);
+    for (const SessionTake& take : takes) {
+      for (const std::string& line : take.report.warnings) result_.warnings.push_back(take.name + ": " + line);
+    }
     provenance_ = {"session", options_json(options_), shared_inputs(options_, takes, manifest_)};
     const std::vector<SessionTake> performed = performances(takes, options_);
     write_facts(performed);
@@ -134,13 +137,16 @@ class Session {
     basis_ =
         session_basis(training ? training_poses(first, *actor_) : neutral_only(first, options_.neutral_frame, *actor_),
                       training, marker_file(options_), *actor_);
+    result_.warnings.insert(result_.warnings.end(), basis_->warnings.begin(), basis_->warnings.end());
+    // The training take need not be one of the takes on the page.
+    for (const std::string& line : training ? first.report.warnings : std::vector<std::string>())
+      basis_->warnings.push_back("training take " + first.name + ": " + line);
     rig::write_markers(manifest_.folder() / "markers.json", basis_->placement.by_label());
     manifest_.record("markers.json", provenance_);
     manifest_.facts()["decisions"] = basis_->decisions;
     manifest_.facts()["warnings"] = basis_->warnings;
     manifest_.save();
     for (const std::string& line : basis_->decisions) progress_.note(line);
-    result_.warnings = basis_->warnings;
     retarget::SolveOptions solve;
     solve.smoothing = options_.smoothing;
     setup_.emplace(SolveSetup{*actor_, *basis_, solve, options_.solver == "qp",

@@ -50,6 +50,7 @@ json report_of(const SessionTake& take, const SolveSetup& setup, const Solved& g
                const json& table) {
   json decisions = setup.decisions, warnings = setup.warnings;
   for (const std::string& line : take.report.decisions) decisions.push_back(line);
+  for (const std::string& line : take.report.warnings) warnings.push_back(line);
   for (const std::string& line : chosen.result.notes) decisions.push_back(line);
   for (const std::string& line : global.result.notes) {
     if (std::find(chosen.result.notes.begin(), chosen.result.notes.end(), line) == chosen.result.notes.end())

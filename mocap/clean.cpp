@@ -57,6 +57,7 @@ CleanReport report_of(const Relabelled& labelling, const Stabilized& head) {
   std::ranges::copy_if(labelling.edits.edits, std::back_inserter(report.label_edits), &LabelEdit::applied);
   report.decisions = head.take.decisions;
   append(report.decisions, labelling.decisions);
+  report.warnings = labelling.warnings;
   append(report.decisions, head.decisions);
   return report;
 }

@@ -55,6 +55,7 @@ struct CleanReport {
   std::vector<double> head_residuals;   ///< mm RMS, one a frame; NaN without a measured pose
   double head_rms = 0.0;                ///< mm
   std::vector<std::string> decisions;   ///< of reading and of every step
+  std::vector<std::string> warnings;    ///< what to look at before the take is trusted
   std::vector<Origin> origins;          ///< frames × markers
   std::vector<float> expected_errors;   ///< frames × markers, mm
 };

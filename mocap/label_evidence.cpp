@@ -91,6 +91,11 @@ void LabelEvidence::refresh() {
   }
 }
 
+Eigen::Vector3d LabelEvidence::place(const Tracklet& t, int frame) const {
+  if (row(frame) < 0) return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return head_.at(row(frame), t.column);
+}
+
 double LabelEvidence::misfit(const Tracklet& t, int label) const {
   std::vector<double> misses;
   for (const int f : looked_at(t)) {
@@ -146,7 +151,7 @@ double LabelEvidence::end_misfit(const Tracklet& t, int label) const {
 
 bool LabelEvidence::is_near(const Tracklet& t, int label) const {
   for (const int f : {t.first, t.last}) {
-    if (row(f) >= 0 && (place(t, f) - model_->mean(label)).norm() < kNear) return true;
+    if ((place(t, f) - model_->mean(label)).norm() < kNear) return true;
   }
   return false;
 }

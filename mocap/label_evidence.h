@@ -9,6 +9,9 @@
 
 namespace vultus::mocap {
 
+/// What is shorter is left to `find_spikes`.
+constexpr double kSpikeSeconds = 0.02;
+
 /// A tracklet and the label it bears for now.
 struct LabelledTracklet {
   Tracklet span;         ///< `column` counts in the raw take
@@ -47,6 +50,9 @@ class LabelEvidence {
   /// of a second away: small when the tracklet continues what was before or leads to what comes after. Infinite
   /// without.
   double end_misfit(const Tracklet& t, int label) const;
+  /// Where the tracklet is in head coordinates, at its first or last frame or another that is looked at; NaN where the
+  /// head was not found.
+  Eigen::Vector3d place(const Tracklet& t, int frame) const;
   /// Whether the label's usual place is so near that it comes into question.
   bool is_near(const Tracklet& t, int label) const;
 
@@ -58,7 +64,6 @@ class LabelEvidence {
   std::vector<int> looked_at(const Tracklet& t) const;
   void to_head_coordinates();
   int row(int frame) const { return row_of_[static_cast<std::size_t>(frame)]; }
-  Eigen::Vector3d place(const Tracklet& t, int frame) const { return head_.at(row(frame), t.column); }
   Beside trusted_beside(const Tracklet& t, int label, int side) const;
 
   const Take& raw_;

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "mocap/label_doubts.h"
 #include "mocap/label_evidence.h"
 #include "mocap/tracklets.h"
 
@@ -18,8 +19,7 @@ namespace vultus::mocap {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kSpikeSeconds = 0.02;  // what is shorter is left to find_spikes
-constexpr int kPasses = 4;              // a repaired neighbour places the others better
+constexpr int kPasses = 4;  // a repaired neighbour places the others better
 
 /// Frames that a label is taken in.
 class Occupied {
@@ -42,15 +42,17 @@ class Repair {
     for (LabelledTracklet& t : evidence_.tracklets()) original_.push_back(t.label);
   }
 
-  std::vector<LabelEdit> run() {
+  void run() {
     for (int pass = 0; pass < kPasses; ++pass) {
       screen();
       grow_trust();
       if (!settle()) break;
       evidence_.refresh();
     }
-    return edits();
   }
+
+  std::vector<LabelEdit> edits() const;
+  std::vector<std::string> doubts() const { return label_doubts(evidence_, original_); }
 
  private:
   struct Candidate {
@@ -155,7 +157,6 @@ class Repair {
     return std::isfinite(evidence_.end_misfit(t.span, t.label)) || t.misfit > 3.0 * limit;
   }
 
-  std::vector<LabelEdit> edits() const;
   std::vector<std::size_t> groups(const std::vector<std::size_t>& moved) const;
   LabelEdit edit_of(const std::vector<std::size_t>& moved) const;
 
@@ -268,7 +269,12 @@ Relabelled repair_labels(Take raw, const LabelOptions& options) {
     result.take = std::move(raw);
     return result;
   }
-  result.edits.edits = Repair(raw, options).run();
+  {
+    Repair repair(raw, options);  // its evidence is gone before the take is rewritten
+    repair.run();
+    result.edits.edits = repair.edits();
+    result.warnings = repair.doubts();
+  }
   result.take = apply_edits(std::move(raw), result.edits);
   describe(result);
   return result;

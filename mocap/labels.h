@@ -22,6 +22,7 @@ struct Relabelled {
   Take take;
   LabelEdits edits;
   std::vector<std::string> decisions;
+  std::vector<std::string> warnings;  ///< places to look at before the labels are trusted
 };
 
 /// Finds samples under wrong labels, unlabelled stretches of markers, and phantoms. Columns are cut into tracklets

@@ -127,6 +127,7 @@ CleanReport parsed(const Json& json) {
   report.take = json.at("take").get<std::string>();
   report.rate_hz = json.at("rate_hz").get<double>();
   report.decisions = json.at("decisions").get<std::vector<std::string>>();
+  report.warnings = json.value("warnings", std::vector<std::string>());
   read_head(json.at("head"), report);
   const auto frames = json.at("frames").get<std::size_t>();
   for (const Json& marker : json.at("markers")) {
@@ -172,7 +173,8 @@ void write_samples(const std::filesystem::path& file, const CleanReport& report)
   Json json = {{"take", report.take},
                {"rate_hz", report.rate_hz},
                {"frames", report.head_residuals.size()},
-               {"decisions", report.decisions}};
+               {"decisions", report.decisions},
+               {"warnings", report.warnings}};
   json["head"] = head_json(report);
   json["markers"] = Json::array();
   for (std::size_t m = 0; m < report.labels.size(); ++m) {

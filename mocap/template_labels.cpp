@@ -52,7 +52,7 @@ class Follower {
   }
 
   std::vector<LabelEdit> edits() const;
-  std::vector<std::string> decisions;
+  std::vector<std::string> decisions, warnings;
 
  private:
   void choose_frames() {
@@ -149,7 +149,8 @@ class Follower {
                        ", too little to tell them apart: the markers lie about the same when they are turned round; "
                        "label six or more by hand, on both sides, and run this again");
     }
-    if (fit.margin() < kDoubtful) found += "; that is little: look at left and right before going on";
+    if (fit.margin() < kDoubtful)
+      warnings.push_back("labels: the layout fits almost as well turned round: look at left and right");
     decisions.push_back("labels: " + found);
   }
 
@@ -237,6 +238,7 @@ Relabelled label_from_layout(const Take& raw, const RigidBody& layout, const Lab
   result.take = apply_edits(raw, result.edits);
   follower.decisions.push_back("labels: " + std::to_string(given.edits.size()) + " given from the template");
   result.decisions.insert(result.decisions.begin(), follower.decisions.begin(), follower.decisions.end());
+  result.warnings.insert(result.warnings.begin(), follower.warnings.begin(), follower.warnings.end());
   return result;
 }
 

@@ -157,6 +157,7 @@ TEST_F(Clean, ChainOnACapturedTake) {
 TEST_F(Clean, SamplesFileKeepsTheReport) {
   Take truth;
   CleanReport report = clean(captured(&truth), plain_gaps()).report;
+  report.warnings = {"labels: look here"};
   report.slips = {{"jig2", 120, 135, 2.5}, {"jig3", 300, -1, 4.0}};
   report.label_edits = {{LabelEdit::Kind::swap, {{10, 20, "f1", "f2"}, {10, 20, "f2", "f1"}}, 0.9, "near", true},
                         {LabelEdit::Kind::phantom, {{30, 34, "f3", ""}}, 0.5, "far", true}};
@@ -166,6 +167,7 @@ TEST_F(Clean, SamplesFileKeepsTheReport) {
   EXPECT_EQ(read.labels, report.labels);
   EXPECT_EQ(read.origins, report.origins);
   EXPECT_EQ(read.decisions, report.decisions);
+  EXPECT_EQ(read.warnings, report.warnings);
   EXPECT_EQ(read.head_markers, report.head_markers);
   ASSERT_EQ(read.gaps.size(), report.gaps.size());
   for (std::size_t i = 0; i < report.gaps.size(); ++i) {
