@@ -1,7 +1,6 @@
 #include "mocap/label_doubts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "core/number_text.h"
@@ -11,7 +10,7 @@ namespace vultus::mocap {
 namespace {
 
 constexpr double kMany = 0.01;          // share of the samples
-constexpr double kLongSeconds = 0.1;    // of a stretch that was dropped; its neighbours' gaps are often shorter
+constexpr double kLongSeconds = 0.1;    // of a stretch that was dropped; a phantom in a gap is often shorter
 constexpr double kAbsentSeconds = 0.5;  // after which a marker may be anywhere
 constexpr double kLeapMm = 3.0;         // half the distance of the nearest markers on a face
 constexpr double kThere = 0.5;          // of the leap: nearer to the other's place than to its own
@@ -23,7 +22,8 @@ struct Leap {
   Eigen::Vector3d from, to;
 };
 
-/// Under the label of a tracklet, or the one that it was dropped from: then both ends of half a swap are seen.
+/// Under the label of a tracklet, or the one that it was dropped from: then both ends of half a swap are seen. Spikes,
+/// and what is far from the label's place (a lost marker written as zero), count as absence.
 std::vector<std::vector<Tracklet>> tracklets_by_label(const LabelEvidence& evidence, const std::vector<int>& original) {
   std::vector<std::vector<Tracklet>> result(static_cast<std::size_t>(evidence.labels()));
   for (std::size_t i = 0; i < original.size(); ++i) {
@@ -33,7 +33,7 @@ std::vector<std::vector<Tracklet>> tracklets_by_label(const LabelEvidence& evide
     if (label >= 0 && !spike && evidence.is_near(t.span, label))
       result[static_cast<std::size_t>(label)].push_back(t.span);
   }
-  for (auto& list : result) std::ranges::sort(list, {}, &Tracklet::first);
+  for (auto& list : result) std::ranges::stable_sort(list, {}, &Tracklet::first);
   return result;
 }
 
