@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "apps/cleaned_frames.h"
 #include "apps/review_encoding.h"
 
 namespace vultus::apps {
@@ -26,24 +27,6 @@ json gaps_json(const mocap::CleanReport& samples) {
   }
   return rows;
 }
-
-/// Frames as read to frames of the cleaned take, which has no doubled ones.
-class CleanedFrames {
- public:
-  explicit CleanedFrames(const std::vector<mocap::RepeatNote>& repeats) {
-    for (const mocap::RepeatNote& repeat : repeats) {
-      for (int f = repeat.first; repeat.kind == mocap::Repeat::Kind::doubled && f <= repeat.last; ++f)
-        out_.push_back(f);
-    }
-    std::sort(out_.begin(), out_.end());
-  }
-  int operator()(int frame) const {
-    return frame - static_cast<int>(std::lower_bound(out_.begin(), out_.end(), frame) - out_.begin());
-  }
-
- private:
-  std::vector<int> out_;
-};
 
 void add_once(json& labels, const std::string& label) {
   if (!label.empty() && std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);

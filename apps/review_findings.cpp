@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "apps/cleaned_frames.h"
+
 namespace vultus::apps {
 namespace {
 
@@ -132,12 +134,13 @@ void add_repairs(const ReviewTake& take, Findings& findings) {
   if (edits.empty()) return;
   const auto& unsure = *std::ranges::min_element(edits, {}, &mocap::LabelEdit::score);
   const mocap::LabelMove& move = unsure.moves.front();
+  const int frame = CleanedFrames(take.samples->repeats)(unsure.first());
   constexpr double kUnsure = 0.6;  // of the misfit taken away; a swap repaired takes away nine tenths
   findings.push_back({unsure.score < kUnsure ? Severity::look : Severity::note,
                       fmt::format("{} of labels; the least certain: {} of {} at frame {}",
                                   edits.size() == 1 ? "1 repair" : std::to_string(edits.size()) + " repairs",
-                                  mocap::name_of(unsure.kind), move.to.empty() ? move.from : move.to, unsure.first()),
-                      take.name, "", move.to.empty() ? move.from : move.to, unsure.first()});
+                                  mocap::name_of(unsure.kind), move.to.empty() ? move.from : move.to, frame),
+                      take.name, "", move.to.empty() ? move.from : move.to, frame});
 }
 
 const char* severity_name(Severity severity) {

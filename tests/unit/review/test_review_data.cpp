@@ -88,7 +88,7 @@ TEST(ReviewFindings, ProblemsComeFirst) {
   EXPECT_TRUE(has(findings, Severity::look, "off by 2.5 mm at frame 9"));
   EXPECT_TRUE(has(findings, Severity::look, "M3: 9.0 mm from the face"));
   EXPECT_TRUE(has(findings, Severity::look, "Jig marker jig2 slips by 2.5 mm at frame 14"));
-  EXPECT_TRUE(has(findings, Severity::note, "2 repairs of labels; the least certain: phantom of M6 at frame 4"));
+  EXPECT_TRUE(has(findings, Severity::note, "2 repairs of labels; the least certain: swap of M5 at frame 8"));
   EXPECT_TRUE(has(findings, Severity::note, "Largest mean error"));
   EXPECT_FALSE(has(findings, Severity::problem, "worse than the global"));
 }
