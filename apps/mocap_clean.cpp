@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "apps/commands.h"
 #include "mocap/clean.h"
@@ -39,7 +40,7 @@ ExitCode clean(const Arguments& arguments, Run& run) {
   if (!arguments.labels.empty()) mocap::write_edits(arguments.labels, cleaned.label_edits);
   run.numbers() = {{"frames", cleaned.take.frames()},
                    {"markers", cleaned.take.markers()},
-                   {"label_edits", cleaned.label_edits.edits.size()},
+                   {"label_edits", std::ranges::count_if(cleaned.label_edits.edits, &mocap::LabelEdit::applied)},
                    {"gaps", cleaned.report.gaps.size()},
                    {"spikes", cleaned.report.spikes.size()},
                    {"head_method", cleaned.report.head_method},

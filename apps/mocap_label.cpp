@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "apps/commands.h"
 #include "apps/mocap_files.h"
@@ -21,6 +22,7 @@ mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run
     run.input(arguments.apply);
     edits = mocap::read_edits(arguments.apply);
     take = mocap::apply_edits(raw, edits);
+    for (const std::string& line : mocap::list_notes(edits)) run.progress().note(line);
   } else {
     mocap::Relabelled relabelled;
     if (arguments.labels_from.empty()) {
@@ -44,7 +46,7 @@ mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run
     run.print(mocap::name_of(edit.kind) + (edit.applied ? "," : " (refused),") + std::to_string(edit.first()) + "," +
               std::to_string(edit.last()) + "," + moves + "," + std::to_string(edit.score) + ",\"" + edit.why + "\"");
   }
-  run.numbers()["edits"] = edits.edits.size();
+  run.numbers()["edits"] = std::ranges::count_if(edits.edits, &mocap::LabelEdit::applied);
   if (!arguments.edits.empty()) mocap::write_edits(arguments.edits, edits);
   return take;
 }

@@ -32,7 +32,19 @@ void add_once(json& labels, const std::string& label) {
   if (!label.empty() && std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
 }
 
+json refused_json(const mocap::LabelEdit& edit, const CleanedFrames& cleaned) {
+  json markers = json::array();
+  for (const mocap::LabelMove& move : edit.moves) add_once(markers, move.from);
+  return {{"kind", "refused"},
+          {"first", cleaned(edit.first())},
+          {"last", cleaned(edit.last())},
+          {"markers", markers},
+          {"what", mocap::name_of(edit.kind) + " refused by hand; the samples stay under " + edit.sources()},
+          {"marks", json::array()}};
+}
+
 json edit_json(const mocap::LabelEdit& edit, const CleanedFrames& cleaned) {
+  if (!edit.applied) return refused_json(edit, cleaned);
   json markers = json::array(), marks = json::array(), moves = json::array();
   for (const mocap::LabelMove& move : edit.moves) {
     const std::string& row = move.to.empty() ? move.from : move.to;

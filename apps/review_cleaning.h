@@ -10,7 +10,7 @@ namespace vultus::apps {
 ///
 ///     gaps            [{"marker", "first", "last", "method", "expected_error_mm"}…]
 ///     repairs         [{"kind": "swap" | "moved" | "fragment" | "phantom" | "spike" | "held" | "doubled" | "marker" |
-///                       "slip", "first", "last", "markers": [LABEL…], "what": TEXT,
+///                       "slip" | "refused", "first", "last", "markers": [LABEL…], "what": TEXT,
 ///                       "marks": [[LABEL, first, last]…]}…] by frame; `marks`: where in the gap chart
 ///     stabilization   {"method", "rms", "rms_mm": [x or null…], "slips": [{"marker", "frame", "distance_mm"}…]}
 ///     curves          {"labels", "least", "measured", "clean", "expected"}: positions above `least`, expected errors

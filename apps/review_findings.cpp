@@ -130,7 +130,8 @@ void add_repairs(const ReviewTake& take, Findings& findings) {
          fmt::format("Jig marker {} slips by {:.1f} mm at frame {}", slip.label, slip.distance, slip.frame), take.name,
          "", "", slip.frame});
   }
-  const auto& edits = take.samples->label_edits;
+  std::vector<mocap::LabelEdit> edits = take.samples->label_edits;
+  std::erase_if(edits, [](const mocap::LabelEdit& edit) { return !edit.applied; });
   if (edits.empty()) return;
   const auto& unsure = *std::ranges::min_element(edits, {}, &mocap::LabelEdit::score);
   const mocap::LabelMove& move = unsure.moves.front();

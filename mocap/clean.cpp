@@ -1,7 +1,6 @@
 #include "mocap/clean.h"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 
 #include "core/error.h"
@@ -54,7 +53,7 @@ CleanReport report_of(const Relabelled& labelling, const Stabilized& head) {
                                                                           : std::numeric_limits<double>::quiet_NaN());
   }
   report.slips = head.slips;
-  std::ranges::copy_if(labelling.edits.edits, std::back_inserter(report.label_edits), &LabelEdit::applied);
+  report.label_edits = labelling.edits.edits;
   report.decisions = head.take.decisions;
   append(report.decisions, labelling.decisions);
   report.warnings = labelling.warnings;
@@ -68,7 +67,7 @@ Relabelled labelled(Take raw, const CleanOptions& options) {
   if (options.label_edits) {
     result.edits = *options.label_edits;
     result.take = apply_edits(std::move(raw), result.edits);
-    result.decisions.push_back("labels: " + std::to_string(result.edits.edits.size()) + " changes by the given list");
+    result.decisions = list_notes(result.edits);
     return result;
   }
   if (!options.repair_labels) {

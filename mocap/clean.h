@@ -48,7 +48,7 @@ struct CleanReport {
   std::vector<Gap> gaps;
   std::vector<Spike> spikes;
   std::vector<RepeatNote> repeats;
-  std::vector<LabelEdit> label_edits;  ///< those applied; frames as read, before doubled ones were taken out
+  std::vector<LabelEdit> label_edits;  ///< refused ones too; frames as read, before doubled ones were taken out
   std::vector<JigSlip> slips;
   std::vector<std::string> head_markers;
   std::vector<double> head_deviations;  ///< mm, one a head marker

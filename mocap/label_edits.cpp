@@ -174,6 +174,27 @@ int LabelEdit::last() const {
   return most == moves.end() ? 0 : most->last;
 }
 
+std::string LabelEdit::sources() const {
+  std::vector<std::string> labels;
+  for (const LabelMove& move : moves)
+    if (std::ranges::find(labels, move.from) == labels.end()) labels.push_back(move.from);
+  std::string text;
+  for (const std::string& label : labels) text += (text.empty() ? "" : ", ") + label;
+  return text;
+}
+
+std::vector<std::string> list_notes(const LabelEdits& edits) {
+  const auto made = std::ranges::count_if(edits.edits, &LabelEdit::applied);
+  std::vector<std::string> notes = {"labels: " + std::to_string(made) + (made == 1 ? " change" : " changes") +
+                                    " made by the given list"};
+  for (const LabelEdit& edit : edits.edits) {
+    if (edit.applied) continue;
+    notes.push_back("labels: " + name_of(edit.kind) + " at frame " + std::to_string(edit.first()) +
+                    " refused in the list; the samples stay under " + edit.sources());
+  }
+  return notes;
+}
+
 Take apply_edits(Take take, LabelEdits& edits) {
   edits.take = take.name;
   edits.labels = take.labels;

@@ -30,6 +30,7 @@ struct LabelEdit {
 
   int first() const;
   int last() const;
+  std::string sources() const;  ///< the labels that its samples came with, "LIP1, *12"; they keep them when refused
 };
 
 /// Every change made to a take's labels, with all that is needed to take it back.
@@ -54,6 +55,9 @@ Take apply_edits(Take raw, LabelEdits& edits);
 /// The take as it came: positions, residuals and camera masks of every sample. Throws `InputError` when the take does
 /// not match.
 Take undo_edits(const Take& edited, const LabelEdits& edits);
+
+/// For the report: how many edits were made, how many refused, and under which labels the samples of those stay.
+std::vector<std::string> list_notes(const LabelEdits& edits);
 
 /// JSON (DESIGN §2, labels.json). Reading throws `InputError` naming the entry that is malformed.
 void write_edits(const std::filesystem::path& file, const LabelEdits& edits);

@@ -60,7 +60,7 @@ class CleaningPanel {
 
   describe() {
     const label = this.labels[this.marker], gaps = (this.take.gaps || []).filter(gap => gap.marker === label);
-    const repairs = (this.take.repairs || []).filter(repair => repair.markers.includes(label));
+    const repairs = (this.take.repairs || []).filter(repair => repair.kind !== 'refused' && repair.markers.includes(label));
     this.about.textContent = [plural(gaps.length, 'gap'), plural(repairs.length, 'repair'),
       this.after.stride > 1 ? `every ${this.after.stride}th frame` : ''].filter(Boolean).join(' · ');
   }

@@ -8,6 +8,7 @@ const REPAIRS = {
   marker: { glyph: '=', name: 'frozen marker filled' },
   held: { glyph: '|', name: 'lost frames filled' },
   doubled: { glyph: '|', name: 'doubled frames taken out' },
+  refused: { glyph: '○', name: 'change of labels refused' },
   slip: { glyph: '↷', name: 'jig marker slipped' },
 };
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/files.h"
 #include "mocap/clean.h"
@@ -192,15 +194,20 @@ TEST_F(Clean, SamplesFileKeepsTheReport) {
 TEST_F(Clean, TheReportListsEditsAndSlips) {
   Take truth;
   Take raw = captured(&truth);
-  for (int f = 300; f < raw.frames(); ++f) raw.set(f, 1, raw.at(f, 1) + Eigen::Vector3d(0, 3, 0));  // a jig marker slips
+  for (int f = 300; f < raw.frames(); ++f)
+    raw.set(f, 1, raw.at(f, 1) + Eigen::Vector3d(0, 3, 0));  // a jig marker slips
   CleanOptions options = plain_gaps();
   options.label_edits.emplace();
   options.label_edits->edits = {{LabelEdit::Kind::phantom, {{40, 44, "f2", ""}}, 1.0, "by hand", true},
                                 {LabelEdit::Kind::phantom, {{50, 54, "f2", ""}}, 1.0, "refused", false}};
   const CleanReport report = clean(raw, options).report;
-  ASSERT_EQ(report.label_edits.size(), 1U);
-  EXPECT_EQ(report.label_edits[0].why, "by hand");
+  ASSERT_EQ(report.label_edits.size(), 2U);
+  EXPECT_FALSE(report.label_edits[1].applied);
+  for (const char* line : {"labels: 1 change made by the given list",
+                           "labels: phantom at frame 50 refused in the list; the samples stay under f2"})
+    EXPECT_TRUE(std::ranges::count(report.decisions, line)) << line;
   EXPECT_NE(report.origins[static_cast<std::size_t>(42) * report.labels.size() + 1], Origin::measured);
+  EXPECT_EQ(report.origins[static_cast<std::size_t>(52) * report.labels.size() + 1], Origin::measured);
   ASSERT_FALSE(report.slips.empty());
   EXPECT_NEAR(report.slips[0].frame, 300, 2);
 }

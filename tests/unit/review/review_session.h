@@ -119,7 +119,8 @@ class ReviewFolder {
     report.repeats = {{mocap::Repeat::Kind::doubled, "", 6, 7}};
     report.label_edits = {
         {mocap::LabelEdit::Kind::swap, {{10, 12, "M4", "M5"}, {10, 12, "M5", "M4"}}, 0.8, "9.0 mm off", true},
-        {mocap::LabelEdit::Kind::phantom, {{4, 5, "M6", ""}}, 0.9, "", true}};
+        {mocap::LabelEdit::Kind::phantom, {{4, 5, "M6", ""}}, 0.9, "", true},
+        {mocap::LabelEdit::Kind::fragment, {{18, 19, "*12", "M6"}, {21, 21, "*12", "M6"}}, 0.3, "", false}};
     report.slips = {{"jig2", 14, 16, 2.5}};
     mocap::write_samples(take() / "samples.json", report);
   }

@@ -175,7 +175,7 @@ TEST(ReviewCleaning, RepairsSayWhatWasDoneAndWhereItShows) {
   const ReviewFolder folder;
   const nlohmann::json json = cleaning_json(read_review_session(folder.session()).takes[0]);
   const nlohmann::json& repairs = json["repairs"];
-  ASSERT_EQ(repairs.size(), 4u);
+  ASSERT_EQ(repairs.size(), 5u);
   EXPECT_EQ(repairs[0]["kind"], "phantom");
   EXPECT_EQ(repairs[0]["marks"], nlohmann::json::array({{"M6", 4, 5}}));
   EXPECT_EQ(repairs[0]["what"], "M6 → dropped");
@@ -187,6 +187,10 @@ TEST(ReviewCleaning, RepairsSayWhatWasDoneAndWhereItShows) {
   EXPECT_EQ(repairs[2]["last"], 10);
   EXPECT_EQ(repairs[2]["what"], "M4 → M5, M5 → M4: 9.0 mm off");
   EXPECT_EQ(repairs[3]["kind"], "slip");
+  EXPECT_EQ(repairs[4]["kind"], "refused");
+  EXPECT_EQ(repairs[4]["what"], "fragment refused by hand; the samples stay under *12");
+  EXPECT_EQ(repairs[4]["first"], 16);
+  EXPECT_TRUE(repairs[4]["marks"].empty());
   EXPECT_EQ(json["stabilization"]["slips"][0]["marker"], "jig2");
 }
 

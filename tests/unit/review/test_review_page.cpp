@@ -81,7 +81,7 @@ TEST(ReviewPage, ABrowserShowsItWithoutErrors) {
   const std::string output = output_of(command);
   EXPECT_EQ(output.find("Uncaught"), std::string::npos) << output.substr(output.find("Uncaught"), 300);
   for (const char* shown : {"Where to look", "lips not sealed", "Marker error", "Pose weights", "3 gaps in 3 markers",
-                            "labels swapped back", "jig2 slips by 2.50 mm at 14"}) {
+                            "labels swapped back", "change of labels refused", "jig2 slips by 2.50 mm at 14"}) {
     // The data itself holds some of these words; what the page shows comes before it.
     const std::size_t at = output.find(shown);
     ASSERT_NE(at, std::string::npos) << shown;
