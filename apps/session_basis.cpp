@@ -1,9 +1,10 @@
 #include "apps/session_basis.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "core/error.h"
+#include "core/number_text.h"
+#include "mocap/holds.h"
 #include "mocap/key_poses.h"
 #include "retarget/anchors.h"
 
@@ -42,6 +43,31 @@ rig::MarkerPlaces anchors_for(const std::vector<std::string>& labels, const fs::
   return retarget::resolve(named, actor);
 }
 
+/// The actor's poses that move markers, as the rig has them; the others can be no rest of the training take.
+std::vector<std::string> shown_poses(const mocap::Take& training, const fs::path& anchors_file, const rig::Actor& actor,
+                                     std::vector<std::string>& decisions) {
+  const mocap::KeyPoses neutral = mocap::find_key_poses(training, {"neutral"});
+  std::vector<std::string> said_later;
+  const rig::MarkerPlaces anchors = anchors_for(neutral.labels, anchors_file, actor, said_later);
+  const auto placement = retarget::place_markers(neutral.labels, neutral.positions.front(), anchors, actor);
+  const auto basis = retarget::basis_from_surface(actor, placement.labels, placement.places);
+  const auto markers = [&](int pose) {
+    return Points(basis.columns.col(pose).reshaped<Eigen::RowMajor>(basis.markers(), 3));
+  };
+  std::vector<std::string> shown = {basis.poses.front()};
+  for (int pose = 1; pose < static_cast<int>(basis.poses.size()); ++pose) {
+    const std::string& name = basis.poses[static_cast<std::size_t>(pose)];
+    const double motion = mocap::pose_distance(markers(pose), markers(0));
+    if (motion >= mocap::HoldOptions().least_motion_mm) {
+      shown.push_back(name);
+    } else {
+      decisions.push_back("training pose \"" + name + "\" moves the markers by only " + number(motion, "%.1f") +
+                          " mm on the rig and is left out; its weight stays zero");
+    }
+  }
+  return shown;
+}
+
 }  // namespace
 
 fs::path training_list(const fs::path& take) {
@@ -63,15 +89,18 @@ mocap::Take SessionBasis::in_space(const mocap::Take& clean) const {
   return from_training ? clean : retarget::to_rig(clean, placement, retarget::rig_from_mocap(placement));
 }
 
-TrainingPoses training_poses(const SessionTake& training, const rig::Actor& actor) {
+TrainingPoses training_poses(const SessionTake& training, const fs::path& anchors_file, const rig::Actor& actor) {
   const fs::path list = training_list(training.file);
   if (!list.empty()) {
     TrainingPoses result = in_actor_order(mocap::key_poses(training.clean, list), actor);
     result.decisions.push_back("training poses: " + list.filename().string());
     return result;
   }
-  TrainingPoses result = in_actor_order(mocap::find_key_poses(training.clean, actor.pose_names()), actor);
+  std::vector<std::string> left_out;
+  const std::vector<std::string> shown = shown_poses(training.clean, anchors_file, actor, left_out);
+  TrainingPoses result = in_actor_order(mocap::find_key_poses(training.clean, shown), actor);
   result.decisions.push_back("training poses: found automatically");
+  result.decisions.insert(result.decisions.end(), left_out.begin(), left_out.end());
   return result;
 }
 
@@ -112,10 +141,8 @@ SessionBasis session_basis(const TrainingPoses& poses, bool from_training, const
   } else {
     result.basis = retarget::basis_from_surface(actor, placement.labels, placement.places);
   }
-  char line[96];
-  std::snprintf(line, sizeof line, "%d markers placed, anchors fit to %.2f mm", result.basis.markers(),
-                placement.anchor_rms);
-  result.decisions.emplace_back(line);
+  result.decisions.push_back(std::to_string(result.basis.markers()) + " markers placed, anchors fit to " +
+                             number(placement.anchor_rms) + " mm");
   for (const std::string& note : result.basis.notes) result.decisions.push_back(note);
   return result;
 }

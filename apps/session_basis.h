@@ -35,8 +35,10 @@ struct TrainingPoses {
 /// none.
 std::filesystem::path training_list(const std::filesystem::path& take);
 
-/// From the training take: by its list, else found automatically.
-TrainingPoses training_poses(const SessionTake& training, const rig::Actor& actor);
+/// From the training take: by its list, else found automatically; then poses of the actor that move none of its markers
+/// (closed eyes without markers on the lids) are left out, as the decisions say. `anchors_file` as for `session_basis`.
+TrainingPoses training_poses(const SessionTake& training, const std::filesystem::path& anchors_file,
+                             const rig::Actor& actor);
 /// The neutral alone, from one frame of a performance (from 0), or found automatically when `frame` is -1.
 TrainingPoses neutral_only(const SessionTake& take, int frame, const rig::Actor& actor);
 

@@ -134,9 +134,9 @@ class Session {
     progress_.begin("preparing the marker basis", 0);
     actor_ = session_actor(options_.actor, options_.regions, options_.seed, manifest_);
     const bool training = !options_.training.empty();
-    basis_ =
-        session_basis(training ? training_poses(first, *actor_) : neutral_only(first, options_.neutral_frame, *actor_),
-                      training, marker_file(options_), *actor_);
+    basis_ = session_basis(training ? training_poses(first, marker_file(options_), *actor_)
+                                    : neutral_only(first, options_.neutral_frame, *actor_),
+                           training, marker_file(options_), *actor_);
     result_.warnings.insert(result_.warnings.end(), basis_->warnings.begin(), basis_->warnings.end());
     // The training take need not be one of the takes on the page.
     for (const std::string& line : training ? first.report.warnings : std::vector<std::string>())
