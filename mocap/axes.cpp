@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/number_text.h"
+#include "core/statistics.h"
 
 namespace vultus::mocap {
 
@@ -48,9 +49,7 @@ double spread(const Take& take) {
     }
     if (n > 2) spreads.push_back(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
   }
-  if (spreads.empty()) return 0.0;
-  std::nth_element(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2), spreads.end());
-  return spreads[spreads.size() / 2];
+  return spreads.empty() ? 0.0 : median(std::move(spreads));
 }
 
 double decide_unit(Take& take, const FileConvention& convention, const ReadOptions& options) {

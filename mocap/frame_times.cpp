@@ -5,6 +5,7 @@
 
 #include "core/number_text.h"
 #include "core/statistics.h"
+#include "mocap/take_parts.h"
 
 namespace vultus::mocap {
 
@@ -102,14 +103,7 @@ class EvenTake {
 
   void copy(int from, int to, Take& result) {
     ++used_;
-    for (int m = 0; m < read_.markers(); ++m) {
-      const std::size_t i = read_.index(from, m), j = result.index(to, m);
-      std::copy_n(read_.positions.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
-                  result.positions.begin() + static_cast<std::ptrdiff_t>(3 * j));
-      result.present[j] = read_.present[i];
-      if (!read_.residuals.empty()) result.residuals[j] = read_.residuals[i];
-      if (!read_.cameras.empty()) result.cameras[j] = read_.cameras[i];
-    }
+    for (int m = 0; m < read_.markers(); ++m) copy_sample(read_, read_.index(from, m), result, result.index(to, m));
   }
 
   /// Cubic Hermite between two frames, slopes from the frames beside them where those have the marker.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "mocap/take_parts.h"
 #include "mocap/tracklets.h"
 
 namespace vultus::mocap {
@@ -24,27 +25,12 @@ Sample sample_at(const Take& take, std::size_t i) {
   return sample;
 }
 
-Sample sample_of(const Take& take, int frame, int column) { return sample_at(take, take.index(frame, column)); }
-
 void put(Take& take, int frame, int column, const Sample& sample) {
   const std::size_t i = take.index(frame, column);
   take.present[i] = 1;
   std::copy_n(sample.position, 3, take.positions.data() + 3 * i);
   if (!take.residuals.empty()) take.residuals[i] = sample.residual;
   if (!take.cameras.empty()) take.cameras[i] = sample.cameras;
-}
-
-/// `take` without samples and with other labels.
-Take relabelled(const Take& take, std::vector<std::string> labels) {
-  Take result = Take::empty(take.name, take.rate_hz, std::move(labels), take.frames());
-  result.residual_step = take.residual_step;
-  result.first_frame = take.first_frame;
-  result.file_frames = take.file_frames;
-  result.events = take.events;
-  result.decisions = take.decisions;
-  if (!take.residuals.empty()) result.residuals.assign(result.present.size(), 0.0F);
-  if (!take.cameras.empty()) result.cameras.assign(result.present.size(), 0);
-  return result;
 }
 
 [[noreturn]] void refuse(const Take& take, const LabelMove& move, const std::string& problem) {
@@ -233,7 +219,7 @@ Take apply_edits(Take take, LabelEdits& edits) {
 }
 
 Take undo_edits(const Take& edited, const LabelEdits& edits) {
-  Take raw = relabelled(edited, edits.labels);
+  Take raw = emptied(edited, edits.labels);
   // Where a sample of the edited take came from: its own column, unless a move says otherwise.
   std::vector<int> source(edited.present.size());
   for (int f = 0; f < edited.frames(); ++f) {
@@ -258,7 +244,7 @@ Take undo_edits(const Take& edited, const LabelEdits& edits) {
       if (column < 0)
         throw InputError("take '" + edited.name + "': the edits do not say where column '" +
                          edited.labels[static_cast<std::size_t>(c)] + "' came from");
-      put(raw, f, column, sample_of(edited, f, c));
+      copy_sample(edited, edited.index(f, c), raw, raw.index(f, column));
     }
   }
   for (const LabelEdits::Dropped& d : edits.dropped) {

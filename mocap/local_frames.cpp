@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/statistics.h"
+#include "mocap/take_parts.h"
 
 namespace vultus::mocap {
 
@@ -122,30 +123,20 @@ int sibling_of(const Take& take, int reference, const VirtualMarker& marker) {
   return best;
 }
 
-/// The same arrays with room for `added` more markers, new samples missing.
+/// Adds columns for the markers, without samples.
 void widen(Filled& filled, const std::vector<VirtualMarker>& markers) {
-  const Take old = filled.take;
-  const std::vector<Origin> origins = filled.origins;
-  const std::vector<float> errors = filled.expected_errors;
+  const Take old = std::move(filled.take);
+  const std::vector<Origin> origins = std::move(filled.origins);
+  const std::vector<float> errors = std::move(filled.expected_errors);
   std::vector<std::string> labels = old.labels;
   for (const VirtualMarker& marker : markers) labels.push_back(marker.label);
-  Take wide = Take::empty(old.name, old.rate_hz, labels, old.frames());
-  wide.first_frame = old.first_frame;
-  wide.events = old.events;
-  wide.decisions = old.decisions;
-  wide.residual_step = old.residual_step;
-  if (!old.residuals.empty()) wide.residuals.assign(wide.present.size(), 0.0F);
-  if (!old.cameras.empty()) wide.cameras.assign(wide.present.size(), 0);
+  Take wide = emptied(old, std::move(labels));
   filled.origins.assign(wide.present.size(), Origin::missing);
   filled.expected_errors.assign(wide.present.size(), 0.0F);
   for (int f = 0; f < old.frames(); ++f) {
     for (int m = 0; m < old.markers(); ++m) {
       const std::size_t from = old.index(f, m), to = wide.index(f, m);
-      std::copy_n(old.positions.begin() + static_cast<std::ptrdiff_t>(3 * from), 3,
-                  wide.positions.begin() + static_cast<std::ptrdiff_t>(3 * to));
-      wide.present[to] = old.present[from];
-      if (!old.residuals.empty()) wide.residuals[to] = old.residuals[from];
-      if (!old.cameras.empty()) wide.cameras[to] = old.cameras[from];
+      copy_sample(old, from, wide, to);
       filled.origins[to] = origins[from];
       filled.expected_errors[to] = errors[from];
     }

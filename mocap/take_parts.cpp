@@ -42,4 +42,23 @@ void keep_markers(const std::vector<std::uint8_t>& keep, Take& take) {
   keep_blocks(keep, 1, take.labels);
 }
 
+Take emptied(const Take& take, std::vector<std::string> labels) {
+  Take result = Take::empty(take.name, take.rate_hz, std::move(labels), take.frames());
+  result.residual_step = take.residual_step;
+  result.first_frame = take.first_frame;
+  result.file_frames = take.file_frames;
+  result.events = take.events;
+  result.decisions = take.decisions;
+  if (!take.residuals.empty()) result.residuals.assign(result.present.size(), 0.0F);
+  if (!take.cameras.empty()) result.cameras.assign(result.present.size(), 0);
+  return result;
+}
+
+void copy_sample(const Take& from, std::size_t i, Take& to, std::size_t j) {
+  std::copy_n(from.positions.data() + 3 * i, 3, to.positions.data() + 3 * j);
+  to.present[j] = from.present[i];
+  if (!from.residuals.empty()) to.residuals[j] = from.residuals[i];
+  if (!from.cameras.empty()) to.cameras[j] = from.cameras[i];
+}
+
 }  // namespace vultus::mocap

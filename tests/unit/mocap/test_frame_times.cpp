@@ -83,7 +83,18 @@ TEST(FrameTimes, AWanderingClockIsInterpolated) {
   }
   EXPECT_GT(worst_before, 0.015);
   EXPECT_LT(worst, 0.003);  // samples within a tenth of a frame stay as read: a step of 0.016 of them at worst
-  EXPECT_FALSE(take.has(20, 1) && take.has(19, 1) && take.has(21, 1) && take.at(20, 1).z() != 1.0);
+  // The second marker lies beside the first, but for the one frame where it was not seen: no sample is made of it.
+  int missing = 0;
+  for (int f = 0; f < take.frames(); ++f) {
+    ASSERT_TRUE(take.has(f, 0)) << f;
+    missing += !take.has(f, 1);
+    // Beside the hole the nearest sample stands, up to half a frame off.
+    if (take.has(f, 1)) {
+      EXPECT_NEAR(take.at(f, 1).y(), take.at(f, 0).y(), 0.5) << f;
+    }
+  }
+  EXPECT_GE(missing, 1);
+  EXPECT_LE(missing, 2);
 }
 
 TEST(FrameTimes, TimesThatFallAreReported) {
