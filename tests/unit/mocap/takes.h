@@ -62,6 +62,12 @@ inline std::vector<std::string> numbered(const std::string& stem, int n) {
   return labels;
 }
 
+/// Noise of standard deviation `size` on each coordinate, mm.
+inline Eigen::Vector3d jitter(Random& random, double size) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return size * Eigen::Vector3d(x, y, z);
+}
+
 /// A random take with a tenth of the samples missing.
 inline Take random_take(int frames, int markers, std::uint64_t seed) {
   Take take = Take::empty("random", 120.0, numbered("m", markers), frames);

@@ -34,8 +34,8 @@ Take training_take(int poses, double noise) {
   for (int f = 0; f < frames; ++f) {
     const auto [k, weight] = phase(f);
     for (int m = 0; m < 20; ++m) {
-      const Eigen::Vector3d p = face.row(m), n(random.normal(), random.normal(), random.normal());
-      take.set(f, m, p + weight * pose_offset(k, p) + noise * n);
+      const Eigen::Vector3d p = face.row(m);
+      take.set(f, m, p + weight * pose_offset(k, p) + jitter(random, noise));
     }
   }
   return take;
@@ -103,9 +103,7 @@ Take captured(Take* truth) {
   for (int f = 0; f < take.frames(); ++f) {
     const Eigen::AngleAxisd turn(0.25 * std::sin(0.02 * f), Eigen::Vector3d(0.2, 1, 0.1).normalized());
     const Eigen::Vector3d move(30 * std::sin(0.013 * f), 1500, 10);
-    const auto put = [&](int m, const Eigen::Vector3d& p) {
-      take.set(f, m, turn * p + move + 0.03 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
-    };
+    const auto put = [&](int m, const Eigen::Vector3d& p) { take.set(f, m, turn * p + move + jitter(random, 0.03)); };
     for (int j = 0; j < 4; ++j) put(j, jig[j]);
     for (int m = 0; m < 20; ++m) put(4 + m, face.at(f, m));
   }

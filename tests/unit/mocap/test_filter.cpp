@@ -87,8 +87,7 @@ TEST(Filter, OptionsAreChecked) {
 TEST(Spikes, FoundAndNothingElse) {
   Take take = sine(400, 1.5, 10.0);
   Random random(2);
-  for (int f = 0; f < 400; ++f)
-    take.set(f, 0, take.at(f, 0) + 0.05 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+  for (int f = 0; f < 400; ++f) take.set(f, 0, take.at(f, 0) + jitter(random, 0.05));
   EXPECT_TRUE(find_spikes(take).empty());
   take.set(100, 0, take.at(100, 0) + Eigen::Vector3d(0, 4, 0));
   for (int f : {200, 201}) take.set(f, 0, take.at(f, 0) + Eigen::Vector3d(0, 0, -6));

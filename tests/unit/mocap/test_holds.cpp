@@ -20,8 +20,8 @@ Take poses_of(const std::vector<double>& sizes) {
     const double size = sizes[static_cast<std::size_t>(turn)];
     for (int m = 0; m < 60; ++m) {
       const bool moves = size >= 3.0 || m < 6;
-      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      take.set(f, m, face.row(m).transpose() + Eigen::Vector3d(0, moves ? size * shown : 0.0, 0) + 0.03 * noise);
+      take.set(f, m,
+               face.row(m).transpose() + Eigen::Vector3d(0, moves ? size * shown : 0.0, 0) + jitter(random, 0.03));
     }
   }
   return take;

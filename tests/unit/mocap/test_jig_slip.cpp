@@ -31,8 +31,7 @@ Take jig_take(double noise) {
   for (int f = 0; f < take.frames(); ++f) {
     for (int m = 0; m < 17; ++m) {
       const Eigen::Vector3d p = m < 5 ? jig.row(m) : face.row(m - 5);
-      const Eigen::Vector3d jitter(random.normal(), random.normal(), random.normal());
-      take.set(f, m, head_at(f / 60.0) * p + noise * jitter);
+      take.set(f, m, head_at(f / 60.0) * p + jitter(random, noise));
     }
   }
   return take;

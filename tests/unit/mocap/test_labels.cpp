@@ -21,8 +21,7 @@ Take moving_face() {
     for (int m = 0; m < take.markers(); ++m) {
       const Eigen::Vector3d p = rest.row(m);
       const Eigen::Vector3d open(0, p.y() < 0 ? 0.05 * p.y() * (1.0 + std::sin(2.0 * t)) : 0.0, 0);
-      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      take.set(f, m, turn * (p + open) + Eigen::Vector3d(5 * t, 1200, 0) + 0.1 * noise);
+      take.set(f, m, turn * (p + open) + Eigen::Vector3d(5 * t, 1200, 0) + jitter(random, 0.1));
     }
   }
   return take;

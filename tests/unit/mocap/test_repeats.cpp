@@ -18,8 +18,7 @@ Take swaying(int frames) {
   Random random(3);
   for (int f = 0; f < frames; ++f) {
     for (int m = 0; m < 20; ++m) {
-      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      take.set(f, m, face.row(m).transpose() + Eigen::Vector3d(12.0 * std::sin(0.026 * f), 0, 0) + 0.1 * noise);
+      take.set(f, m, face.row(m).transpose() + Eigen::Vector3d(12.0 * std::sin(0.026 * f), 0, 0) + jitter(random, 0.1));
     }
   }
   return take;
@@ -72,8 +71,7 @@ TEST(Repeats, WithoutMotionFramesCountAsHeld) {
   Random random(5);
   for (int f = 100; f < 140; ++f) {  // at rest but for the noise
     for (int m = 0; m < 20; ++m) {
-      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      take.set(f, m, take.at(100, m) + 0.1 * noise);
+      take.set(f, m, take.at(100, m) + jitter(random, 0.1));
     }
   }
   copy_frame(take, 119, 120);

@@ -35,9 +35,7 @@ Scene moving_head(int frames, double noise, bool with_jig, std::uint64_t seed = 
   for (const std::string& label : numbered("f", 30)) labels.push_back(label);
   scene.take = Take::empty("head", 120.0, labels, frames);
   Random random(seed);
-  const auto noisy = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    return p + noise * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-  };
+  const auto noisy = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + jitter(random, noise); };
   for (int f = 0; f < frames; ++f) {
     const Similarity pose = head_motion(f);
     int m = 0;

@@ -22,8 +22,7 @@ Take face(double turn, std::uint64_t seed) {
     for (int m = 0; m < kMarkers; ++m) {
       const Eigen::Vector3d p = rest.row(m);
       const Eigen::Vector3d open(0, p.y() < -20 ? 0.06 * p.y() * (1.0 - std::cos(2.0 * t)) : 0.0, 0);
-      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      take.set(f, m, rotation * (p + open) + Eigen::Vector3d(500 * turn + 9 * t, 1200, 0) + 0.1 * noise);
+      take.set(f, m, rotation * (p + open) + Eigen::Vector3d(500 * turn + 9 * t, 1200, 0) + jitter(random, 0.1));
     }
   }
   return take;
