@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "apps/cleaned_frames.h"
+#include "core/named_values.h"
 
 namespace vultus::apps {
 namespace {
@@ -144,22 +145,13 @@ void add_repairs(const ReviewTake& take, Findings& findings) {
                       take.name, "", move.to.empty() ? move.from : move.to, frame});
 }
 
-const char* severity_name(Severity severity) {
-  switch (severity) {
-    case Severity::problem:
-      return "problem";
-    case Severity::look:
-      return "look";
-    case Severity::note:
-      break;
-  }
-  return "note";
-}
+constexpr Named<Severity> kSeverities[] = {
+    {Severity::problem, "problem"}, {Severity::look, "look"}, {Severity::note, "note"}};
 
 }  // namespace
 
 nlohmann::json Finding::json() const {
-  nlohmann::json result = {{"severity", severity_name(severity)}, {"text", text}};
+  nlohmann::json result = {{"severity", name_in(kSeverities, severity)}, {"text", text}};
   if (!take.empty()) result["take"] = take;
   if (!pose.empty()) result["pose"] = pose;
   if (!marker.empty()) result["marker"] = marker;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/error.h"
+#include "core/named_values.h"
 #include "core/number_text.h"
 #include "mocap/hole_reasons.h"
 #include "mocap/template_labels.h"
@@ -12,19 +12,10 @@ namespace vultus::mocap {
 
 namespace {
 
-const char* name_of(HeadMethod method) {
-  switch (method) {
-    case HeadMethod::jig:
-      return "jig";
-    case HeadMethod::steady_face:
-      return "steady face markers";
-    case HeadMethod::three_point:
-      return "three points";
-    case HeadMethod::automatic:
-      break;
-  }
-  return "automatic";
-}
+constexpr Named<HeadMethod> kHeadMethods[] = {{HeadMethod::automatic, "automatic"},
+                                              {HeadMethod::jig, "jig"},
+                                              {HeadMethod::steady_face, "steady face markers"},
+                                              {HeadMethod::three_point, "three points"}};
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -44,7 +35,7 @@ CleanReport report_of(const Relabelled& labelling, const Stabilized& head) {
   report.take = head.take.name;
   report.rate_hz = head.take.rate_hz;
   report.file_frames = head.take.file_frames;
-  report.head_method = name_of(head.method);
+  report.head_method = name_in(kHeadMethods, head.method);
   report.head_markers = head.body.labels;
   report.head_deviations.assign(head.body.deviations.data(), head.body.deviations.data() + head.body.deviations.size());
   report.head_rms = head.rms;

@@ -136,20 +136,6 @@ class InPlace {
 
 }  // namespace
 
-std::string name_of(LabelEdit::Kind kind) {
-  switch (kind) {
-    case LabelEdit::Kind::swap:
-      return "swap";
-    case LabelEdit::Kind::moved:
-      return "moved";
-    case LabelEdit::Kind::fragment:
-      return "fragment";
-    case LabelEdit::Kind::phantom:
-      break;
-  }
-  return "phantom";
-}
-
 int LabelEdit::first() const {
   const auto least = std::min_element(moves.begin(), moves.end(), [](auto& a, auto& b) { return a.first < b.first; });
   return least == moves.end() ? 0 : least->first;

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/named_values.h"
 #include "mocap/label_edits_json.h"
 
 namespace vultus::mocap {
@@ -9,6 +10,11 @@ namespace vultus::mocap {
 using Json = nlohmann::json;
 
 namespace {
+
+constexpr Named<LabelEdit::Kind> kKinds[] = {{LabelEdit::Kind::swap, "swap"},
+                                             {LabelEdit::Kind::moved, "moved"},
+                                             {LabelEdit::Kind::fragment, "fragment"},
+                                             {LabelEdit::Kind::phantom, "phantom"}};
 
 LabelEdits::Dropped dropped_of(const Json& json) {
   LabelEdits::Dropped d;
@@ -23,6 +29,8 @@ LabelEdits::Dropped dropped_of(const Json& json) {
 }
 
 }  // namespace
+
+std::string name_of(LabelEdit::Kind kind) { return name_in(kKinds, kind); }
 
 nlohmann::json json_of(const LabelEdit& edit) {
   Json json = {{"kind", name_of(edit.kind)},
@@ -40,15 +48,7 @@ nlohmann::json json_of(const LabelEdit& edit) {
 
 LabelEdit edit_of(const nlohmann::json& json) {
   LabelEdit edit;
-  const auto kind = json.at("kind").get<std::string>();
-  bool known = false;
-  for (const auto k :
-       {LabelEdit::Kind::swap, LabelEdit::Kind::moved, LabelEdit::Kind::fragment, LabelEdit::Kind::phantom}) {
-    if (name_of(k) != kind) continue;
-    edit.kind = k;
-    known = true;
-  }
-  if (!known) throw Error("unknown kind \"" + kind + "\"; there are swap, moved, fragment and phantom");
+  edit.kind = value_named(kKinds, json.at("kind").get<std::string>(), "kind of edit");
   edit.score = json.value("score", 1.0);
   edit.why = json.value("why", std::string());
   edit.applied = json.value("applied", true);

@@ -5,12 +5,18 @@
 #include <map>
 #include <optional>
 
+#include "core/named_values.h"
 #include "core/statistics.h"
 #include "mocap/take_parts.h"
 
 namespace vultus::mocap {
 
 namespace {
+
+constexpr Named<Repeat::Kind> kKinds[] = {{Repeat::Kind::held, "held"},
+                                          {Repeat::Kind::doubled, "doubled"},
+                                          {Repeat::Kind::marker, "marker"},
+                                          {Repeat::Kind::lower_rate, "lower_rate"}};
 
 constexpr double kMostRepeated = 0.2;    // share of the frames, in stretches that are short
 constexpr double kMostStalled = 0.9;     // share of the frames above which a take is at rest
@@ -225,18 +231,8 @@ Take without(Take take, const std::vector<Repeat>& repeats) {
   return take;
 }
 
-std::string name_of(Repeat::Kind kind) {
-  switch (kind) {
-    case Repeat::Kind::held:
-      return "held";
-    case Repeat::Kind::doubled:
-      return "doubled";
-    case Repeat::Kind::lower_rate:
-      return "lower_rate";
-    case Repeat::Kind::marker:
-      break;
-  }
-  return "marker";
-}
+std::string name_of(Repeat::Kind kind) { return name_in(kKinds, kind); }
+
+Repeat::Kind repeat_kind(const std::string& name) { return value_named(kKinds, name, "kind of repeat"); }
 
 }  // namespace vultus::mocap

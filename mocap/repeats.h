@@ -36,5 +36,6 @@ Take without(Take take, const std::vector<Repeat>& repeats);
 
 /// "held", "doubled", "marker", "lower_rate".
 std::string name_of(Repeat::Kind kind);
+Repeat::Kind repeat_kind(const std::string& name);  ///< throws `InputError` for an unknown name
 
 }  // namespace vultus::mocap

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/named_values.h"
 #include "mocap/clean.h"
 #include "mocap/hole_reasons.h"
 #include "mocap/label_edits_json.h"
@@ -15,24 +16,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::pair<Origin, const char*> kNames[] = {
-    {Origin::measured, "measured"},       {Origin::missing, "missing"},         {Origin::spline, "spline"},
-    {Origin::rigid_group, "rigid_group"}, {Origin::local_frame, "local_frame"}, {Origin::low_rank, "low_rank"}};
+constexpr Named<Origin> kOrigins[] = {{Origin::measured, "measured"},       {Origin::missing, "missing"},
+                                      {Origin::spline, "spline"},           {Origin::rigid_group, "rigid_group"},
+                                      {Origin::local_frame, "local_frame"}, {Origin::low_rank, "low_rank"}};
 
-Origin origin_named(const std::string& name) {
-  for (const auto& [origin, text] : kNames) {
-    if (name == text) return origin;
-  }
-  throw InputError("'" + name + "' is no origin of a sample");
-}
-
-Repeat::Kind kind_named(const std::string& name) {
-  for (const Repeat::Kind kind :
-       {Repeat::Kind::held, Repeat::Kind::doubled, Repeat::Kind::marker, Repeat::Kind::lower_rate}) {
-    if (name == name_of(kind)) return kind;
-  }
-  throw InputError("'" + name + "' is no kind of repeat");
-}
+Origin origin_named(const std::string& name) { return value_named(kOrigins, name, "origin of a sample"); }
 
 /// Micrometres are enough to read and keep the file short.
 double rounded(double mm) { return std::round(mm * 1000.0) / 1000.0; }
@@ -152,7 +140,7 @@ CleanReport parsed(const Json& json) {
     }
   }
   for (const Json& repeat : json.value("repeats", Json::array())) {
-    report.repeats.push_back({kind_named(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
+    report.repeats.push_back({repeat_kind(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
                               repeat.at("first").get<int>(), repeat.at("last").get<int>()});
   }
   if (json.contains("file_frames")) report.file_frames = read_file_frames(json.at("file_frames"), frames);
@@ -162,12 +150,7 @@ CleanReport parsed(const Json& json) {
 
 }  // namespace
 
-std::string name_of(Origin origin) {
-  for (const auto& [value, name] : kNames) {
-    if (value == origin) return name;
-  }
-  return "measured";
-}
+std::string name_of(Origin origin) { return name_in(kOrigins, origin); }
 
 void write_samples(const std::filesystem::path& file, const CleanReport& report) {
   Json json = {{"take", report.take},

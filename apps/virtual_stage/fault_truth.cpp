@@ -4,35 +4,24 @@
 
 #include "core/array_io.h"
 #include "core/files.h"
+#include "core/named_values.h"
 
 namespace vultus::virtual_stage {
 namespace {
 
 using nlohmann::json;
 
-const char* name_of(Fault::Kind kind) {
-  switch (kind) {
-    case Fault::Kind::swap:
-      return "swap";
-    case Fault::Kind::phantom:
-      return "phantom";
-    case Fault::Kind::stray_phantom:
-      return "stray phantom";
-    case Fault::Kind::fragment:
-      return "fragment";
-    case Fault::Kind::spike:
-      return "spike";
-    case Fault::Kind::dropout:
-      return "dropout";
-    case Fault::Kind::held:
-      break;
-  }
-  return "held";
-}
+constexpr Named<Fault::Kind> kKinds[] = {{Fault::Kind::swap, "swap"},
+                                         {Fault::Kind::phantom, "phantom"},
+                                         {Fault::Kind::stray_phantom, "stray phantom"},
+                                         {Fault::Kind::fragment, "fragment"},
+                                         {Fault::Kind::spike, "spike"},
+                                         {Fault::Kind::dropout, "dropout"},
+                                         {Fault::Kind::held, "held"}};
 
 json json_of(const Fault& fault, const mocap::Take& take) {
   const auto label = [&](int column) { return take.labels[static_cast<std::size_t>(column)]; };
-  json entry = {{"kind", name_of(fault.kind)}, {"first", fault.first}, {"last", fault.last}};
+  json entry = {{"kind", name_in(kKinds, fault.kind)}, {"first", fault.first}, {"last", fault.last}};
   if (fault.kind != Fault::Kind::held) {
     for (const int marker : fault.markers) entry["markers"].push_back(label(marker));
   }
