@@ -12,9 +12,20 @@
 #include "apps/report.h"
 #include "core/files.h"
 #include "core/manifest.h"
+#include "core/number_text.h"
 
 namespace vultus::apps {
 namespace {
+
+std::string csv_field(const nlohmann::json& value) {
+  if (value.is_null()) return "";
+  if (value.is_number_float()) return number(value.get<double>(), "%.6g");
+  if (!value.is_string()) return value.dump();
+  std::string text = value.get<std::string>();
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+  return "\"" + text + "\"";
+}
 
 struct SharedFlags {
   int threads = 0;
@@ -218,6 +229,12 @@ int CommandTable::run(int argc, const char* const* argv) {
     return static_cast<int>(ExitCode::usage);
   }
   return impl_->execute(*impl_->chosen());
+}
+
+void Run::print_row(const std::vector<nlohmann::json>& fields) {
+  std::string line;
+  for (const nlohmann::json& field : fields) line += (&field == &fields.front() ? "" : ",") + csv_field(field);
+  print(line);
 }
 
 void Run::print(const std::string& line) { std::cout << line << "\n"; }

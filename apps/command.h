@@ -27,7 +27,9 @@ class Run {
   bool force() const { return force_; }
 
   void warn(const std::string& line) { console_.warn(line); }
-  void print(const std::string& line);            ///< data, to stdout
+  void print(const std::string& line);  ///< data, to stdout
+  /// A line of CSV: text is quoted where it must be, null is an empty field.
+  void print_row(const std::vector<nlohmann::json>& fields);
   void input(const std::filesystem::path& file);  ///< its hash goes into the report
   nlohmann::json& numbers() { return numbers_; }  ///< what was measured, for the report
   const nlohmann::json& numbers() const { return numbers_; }

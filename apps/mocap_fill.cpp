@@ -27,9 +27,9 @@ ExitCode fill(const Arguments& arguments, Run& run) {
   for (const mocap::Gap& gap : filled.gaps) {
     const bool hole = gap.method == mocap::Origin::missing;
     holes += hole;
-    run.print(filled.take.labels[static_cast<std::size_t>(gap.marker)] + "," + std::to_string(gap.first) + "," +
-              std::to_string(gap.last) + "," + (hole ? "hole" : mocap::name_of(gap.method)) + "," +
-              (hole ? "" : std::to_string(gap.expected_error)));
+    run.print_row({filled.take.labels[static_cast<std::size_t>(gap.marker)], gap.first, gap.last,
+                   hole ? "hole" : mocap::name_of(gap.method),
+                   hole ? nlohmann::json() : nlohmann::json(gap.expected_error)});
   }
   run.numbers() = {{"gaps", filled.gaps.size()}, {"holes", holes}};
   write_step(arguments.files, filled.take, run);

@@ -43,8 +43,8 @@ mocap::Take applied(const Arguments& arguments, const mocap::Take& raw, Run& run
     for (const mocap::LabelMove& move : edit.moves) {
       moves += (moves.empty() ? "" : " ") + move.from + ">" + (move.to.empty() ? "(dropped)" : move.to);
     }
-    run.print(mocap::name_of(edit.kind) + (edit.applied ? "," : " (refused),") + std::to_string(edit.first()) + "," +
-              std::to_string(edit.last()) + "," + moves + "," + std::to_string(edit.score) + ",\"" + edit.why + "\"");
+    run.print_row({mocap::name_of(edit.kind) + (edit.applied ? "" : " (refused)"), edit.first(), edit.last(), moves,
+                   edit.score, edit.why});
   }
   run.numbers()["edits"] = std::ranges::count_if(edits.edits, &mocap::LabelEdit::applied);
   if (!arguments.edits.empty()) mocap::write_edits(arguments.edits, edits);

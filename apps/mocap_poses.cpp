@@ -31,9 +31,8 @@ ExitCode poses(const Arguments& arguments, Run& run) {
   for (const std::string& line : found.decisions) run.progress().note(line);
   run.print("pose,first,last,spread_mm,score");
   for (std::size_t i = 0; i < found.poses.size(); ++i) {
-    run.print(found.poses[i] + "," + std::to_string(found.file_holds[i].first) + "," +
-              std::to_string(found.file_holds[i].second) + "," + std::to_string(found.spread[i]) + "," +
-              std::to_string(found.scores[i]));
+    run.print_row(
+        {found.poses[i], found.file_holds[i].first, found.file_holds[i].second, found.spread[i], found.scores[i]});
   }
   if (!arguments.out.empty()) mocap::write_training(arguments.out, arguments.take.stem().string(), found);
   run.numbers() = {{"poses", found.poses.size()}};

@@ -20,19 +20,17 @@ ExitCode repair(const Arguments& arguments, Run& run) {
   const auto spikes = mocap::find_spikes(measured, arguments.spikes);
   run.print("what,marker,first,last,size_mm");
   nlohmann::json rows = nlohmann::json::array();
+  const auto list = [&](const std::string& what, const std::string& marker, int first, int last, nlohmann::json size) {
+    run.print_row({what, marker, first, last, size});
+    rows.push_back({{"what", what}, {"marker", marker}, {"first", first}, {"last", last}});
+    if (!size.is_null()) rows.back()["size_mm"] = size;
+  };
   for (const mocap::Repeat& repeat : repeats) {
     const std::string marker = repeat.marker < 0 ? "" : raw.labels[static_cast<std::size_t>(repeat.marker)];
-    run.print(mocap::name_of(repeat.kind) + "," + marker + "," + std::to_string(repeat.first) + "," +
-              std::to_string(repeat.last) + ",");
-    rows.push_back(
-        {{"what", mocap::name_of(repeat.kind)}, {"marker", marker}, {"first", repeat.first}, {"last", repeat.last}});
+    list(mocap::name_of(repeat.kind), marker, repeat.first, repeat.last, {});
   }
   for (const mocap::Spike& spike : spikes) {
-    const std::string& marker = measured.labels[static_cast<std::size_t>(spike.marker)];
-    run.print("spike," + marker + "," + std::to_string(spike.first) + "," + std::to_string(spike.last) + "," +
-              std::to_string(spike.size));
-    rows.push_back(
-        {{"what", "spike"}, {"marker", marker}, {"first", spike.first}, {"last", spike.last}, {"size_mm", spike.size}});
+    list("spike", measured.labels[static_cast<std::size_t>(spike.marker)], spike.first, spike.last, spike.size);
   }
   run.report()["repairs"] = rows;
   run.numbers() = {{"repeats", repeats.size()}, {"spikes", spikes.size()}};

@@ -10,8 +10,7 @@ void print_table(const nlohmann::json& tables, Run& run) {
   run.print("take,solve,max_mm,min_mm,mean_mm");
   for (const auto& [take, rows] : tables.items()) {
     for (const auto& row : rows) {
-      run.print(take + "," + row.at("name").get<std::string>() + "," + row.at("max_mm").dump() + "," +
-                row.at("min_mm").dump() + "," + row.at("mean_mm").dump());
+      run.print_row({take, row.at("name"), row.at("max_mm"), row.at("min_mm"), row.at("mean_mm")});
     }
   }
 }
