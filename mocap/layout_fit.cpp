@@ -262,9 +262,12 @@ RigidBody marker_layout(const Take& labelled) {
   int reference = 0;
   for (int f = 1; f < labelled.frames(); ++f)
     if (count(f) > count(reference)) reference = f;
-  for (const int c : columns)
-    if (labelled.has(reference, c)) body.labels.push_back(labelled.labels[static_cast<std::size_t>(c)]);
-  body.positions = observed_rows(labelled, reference, columns_of(labelled, body.labels));
+  std::erase_if(columns, [&](int c) { return !labelled.has(reference, c); });
+  const Points seen = observed_rows(labelled, reference, columns);
+  const std::vector<Eigen::Index> rows = rows_together(seen);
+  for (const Eigen::Index row : rows)
+    body.labels.push_back(labelled.labels[static_cast<std::size_t>(columns[static_cast<std::size_t>(row)])]);
+  body.positions = seen(rows, Eigen::all);
   body.deviations = Eigen::VectorXd::Ones(body.positions.rows());
   if (labelled.frames() < 30) return body;
   const RigidBody steady = find_steady_markers(labelled, reference);

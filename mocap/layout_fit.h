@@ -11,6 +11,7 @@ namespace vultus::mocap {
 
 /// Where every labelled marker of a take is on the head, and how far it strays from there: in head coordinates, medians
 /// over the take; a take of fewer than 30 frames (a neutral layout) is taken as it is in its most complete frame.
+/// Labels far from the others there (lost markers written as (0, 0, 0)) are left out.
 /// Throws `InputError` for takes with fewer than eight labelled markers.
 RigidBody marker_layout(const Take& labelled);
 

@@ -14,6 +14,7 @@ namespace vultus::mocap {
 
 namespace {
 
+constexpr double kFar = 5.0;               // times the median distance from the middle: no marker of a head
 constexpr double kBiweightTuning = 4.685;  // 95 % efficiency on Gaussian noise
 // Length of a residual in three dimensions whose median is one deviation of a coordinate: sqrt of chi²(3)'s median.
 constexpr double kMedianLength = 1.538;
@@ -176,6 +177,17 @@ Points observed_rows(const Take& take, int frame, const std::vector<int>& column
       rows.row(static_cast<Eigen::Index>(i)) = take.at(frame, columns[i]).transpose();
     }
   }
+  return rows;
+}
+
+std::vector<Eigen::Index> rows_together(const Points& markers) {
+  Eigen::RowVector3d middle;
+  for (int c = 0; c < 3; ++c) middle[c] = quantile(Eigen::VectorXd(markers.col(c)), 0.5);
+  const Eigen::VectorXd away = (markers.rowwise() - middle).rowwise().norm();
+  const double far = kFar * quantile(away, 0.5);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index m = 0; m < markers.rows(); ++m)
+    if (away[m] <= far) rows.push_back(m);
   return rows;
 }
 

@@ -42,6 +42,9 @@ std::vector<int> columns_of(const Take& take, const std::vector<std::string>& la
 /// Rows of `frame` at `columns`; NaN for missing samples.
 Points observed_rows(const Take& take, int frame, const std::vector<int>& columns);
 
+/// Rows of `markers` that are not far from where most are: a marker that is lost may be written as (0, 0, 0).
+std::vector<Eigen::Index> rows_together(const Points& markers);
+
 /// `fit_body` in every frame of the take.
 std::vector<HeadPose> body_poses(const Take& take, const RigidBody& body);
 

@@ -16,7 +16,6 @@ namespace vultus::mocap {
 namespace {
 
 constexpr double kNoise = 0.1;  // mm; steadier than this makes no difference to the choice
-constexpr double kFar = 5.0;    // times the median distance from the middle: no marker of a head
 
 struct Triple {
   int a, b, c;
@@ -51,21 +50,9 @@ double altitude(const Points& p, const Triple& t) {
   return ab.cross(ac).norm() / std::max({ab.norm(), ac.norm(), bc.norm()});
 }
 
-/// The diagonal of the box around the markers, without those far away: lost ones may be written as (0, 0, 0).
-double extent(const Points& markers) {
-  Eigen::RowVector3d middle;
-  for (int c = 0; c < 3; ++c) middle[c] = quantile(Eigen::VectorXd(markers.col(c)), 0.5);
-  const Eigen::VectorXd away = (markers.rowwise() - middle).rowwise().norm();
-  const double far = kFar * quantile(away, 0.5);
-  std::vector<Eigen::Index> near;
-  for (Eigen::Index m = 0; m < markers.rows(); ++m)
-    if (away[m] <= far) near.push_back(m);
-  return bounds(markers(near, Eigen::all)).diagonal();
-}
-
 /// Triples that span the face: the seeded choice among those whose least altitude is above a fifth of its extent.
 std::vector<Triple> spread_triples(const Points& reference, int count) {
-  const double least = 0.2 * extent(reference);
+  const double least = 0.2 * bounds(reference(rows_together(reference), Eigen::all)).diagonal();
   Random random(20110815);
   const auto n = static_cast<int>(reference.rows());
   std::vector<Triple> triples;

@@ -113,6 +113,19 @@ TEST(TemplateLabels, SwapsAndStraysAreFoundInTheSameRunAndUndone) {
       }
 }
 
+// A metre away it made every triple of the face look like a line.
+TEST(TemplateLabels, AMarkerWrittenAsZeroIsNoPartOfTheLayout) {
+  Take labelled = face(0.0, 3);
+  for (int f = 0; f < labelled.frames(); ++f) labelled.set(f, 3, Eigen::Vector3d::Zero());
+  const RigidBody layout = marker_layout(labelled);
+  EXPECT_EQ(layout.labels.size(), kMarkers - 1U);
+  const Take truth = face(2.0, 4);
+  std::vector<int> marker;
+  const auto [right, wrong] = right_and_wrong(label_from_layout(stripped(truth, marker), layout).take, truth);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GE(right, 0.88 * kMarkers * truth.frames());  // 39 of 40 markers, 8 % missing
+}
+
 TEST(TemplateLabels, LabelsThatAreThereStayAndHelp) {
   const Take truth = face(2.0, 4);
   std::vector<int> marker;
