@@ -7,6 +7,7 @@
 
 #include "apps/cleaned_frames.h"
 #include "apps/review_encoding.h"
+#include "mocap/rigid_body.h"
 
 namespace vultus::apps {
 namespace {
@@ -83,12 +84,6 @@ json repeat_json(const mocap::RepeatNote& repeat, const CleanedFrames& cleaned) 
   return result;
 }
 
-/// Whether something was changed, not only noticed.
-bool is_repair(const mocap::RepeatNote& repeat) {
-  return !repeat.marker.empty() || repeat.kind == mocap::Repeat::Kind::held ||
-         repeat.kind == mocap::Repeat::Kind::doubled;
-}
-
 json spike_json(const mocap::Spike& spike, const std::string& label) {
   return {{"kind", "spike"},
           {"first", spike.first},
@@ -113,7 +108,8 @@ json repairs_json(const mocap::CleanReport& samples) {
   std::vector<json> repairs;
   for (const mocap::LabelEdit& edit : samples.label_edits) repairs.push_back(edit_json(edit, cleaned));
   for (const mocap::RepeatNote& repeat : samples.repeats) {
-    if (is_repair(repeat)) repairs.push_back(repeat_json(repeat, cleaned));
+    // A lower rate is only noticed.
+    if (repeat.kind != mocap::Repeat::Kind::lower_rate) repairs.push_back(repeat_json(repeat, cleaned));
   }
   for (const mocap::Spike& spike : samples.spikes) repairs.push_back(spike_json(spike, samples.labels[spike.marker]));
   for (const mocap::JigSlip& slip : samples.slips) repairs.push_back(slip_json(slip));
@@ -134,31 +130,31 @@ json stabilization_json(const mocap::CleanReport& samples) {
           {"slips", slips}};
 }
 
-/// Least coordinate of each marker and axis over both takes, mm; a value below it would not be stored.
+/// Least coordinate of each marker and axis over both takes, mm; 0 for a marker never seen.
 std::vector<float> least_places(const mocap::Take& measured, const mocap::Take& clean) {
-  std::vector<float> least(3 * clean.labels.size(), 0.0F);
-  std::vector<char> known(least.size(), 0);
+  constexpr float kUnseen = std::numeric_limits<float>::infinity();
+  std::vector<float> least(3 * clean.labels.size(), kUnseen);
   for (const mocap::Take* take : {&measured, &clean}) {
-    for (std::size_t i = 0; i < take->positions.size(); ++i) {
-      const int marker = clean.find(take->labels[i / 3 % take->labels.size()]);
-      if (marker < 0 || take->present[i / 3] == 0) continue;
-      const std::size_t k = 3 * static_cast<std::size_t>(marker) + i % 3;
-      least[k] = known[k] ? std::min(least[k], take->positions[i]) : take->positions[i];
-      known[k] = 1;
+    const std::vector<int> columns = mocap::columns_of(*take, clean.labels);
+    for (int f = 0; f < take->frames(); ++f) {
+      for (std::size_t k = 0; k < least.size(); ++k) {
+        const int m = columns[k / 3];
+        if (m >= 0 && take->has(f, m)) least[k] = std::min(least[k], take->positions[3 * take->index(f, m) + k % 3]);
+      }
     }
   }
+  std::ranges::replace(least, kUnseen, 0.0F);
   return least;
 }
 
 /// frames × (markers of `clean` × 3), above `least`; NaN where missing.
 std::vector<float> places_of(const mocap::Take& take, const mocap::Take& clean, const std::vector<float>& least) {
-  std::vector<int> column;
-  for (const std::string& label : clean.labels) column.push_back(take.find(label));
+  const std::vector<int> columns = mocap::columns_of(take, clean.labels);
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(take.frames()) * least.size());
   for (int f = 0; f < take.frames(); ++f) {
     for (std::size_t k = 0; k < least.size(); ++k) {
-      const int m = column[k / 3];
+      const int m = columns[k / 3];
       const bool here = m >= 0 && take.has(f, m);
       values.push_back(here ? take.positions[3 * take.index(f, m) + k % 3] - least[k]
                             : std::numeric_limits<float>::quiet_NaN());

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numeric>
 
 #include "core/error.h"
+#include "core/number_text.h"
 #include "mocap/label_doubts.h"
 #include "mocap/label_evidence.h"
 #include "mocap/tracklets.h"
@@ -166,11 +166,7 @@ class Repair {
   std::vector<double> first_misfits_;  // under them
 };
 
-std::string in_mm(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", value);
-  return text;
-}
+std::string in_mm(double value) { return number(value, "%.1f") + " mm"; }
 
 /// For each of the moved tracklets the number of its group: moves that make room for each other belong together.
 std::vector<std::size_t> Repair::groups(const std::vector<std::size_t>& moved) const {

@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t kTriples = 40;
 constexpr int kLeastTriples = 6;  // a rival pose needs its chance, too: some of its markers are missing
 constexpr int kNeighbours = 6;
+constexpr double kMovingDeviation = 3.0;  // mm; of markers that are not among the steadiest, until it is measured
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// How near the markers are to points under a pose, 1 for each that is on one: a hash of cells twice as wide as the
@@ -273,7 +274,7 @@ RigidBody marker_layout(const Take& labelled) {
   const RigidBody steady = find_steady_markers(labelled, reference);
   for (std::size_t m = 0; m < body.labels.size(); ++m) {
     const auto found = std::find(steady.labels.begin(), steady.labels.end(), body.labels[m]);
-    body.deviations[static_cast<Eigen::Index>(m)] = found == steady.labels.end() ? 3.0 : 0.3;
+    body.deviations[static_cast<Eigen::Index>(m)] = found == steady.labels.end() ? kMovingDeviation : start_deviation;
   }
   return refine_body(labelled, body, reference, sampled_frames(labelled, 200));
 }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "core/error.h"
+#include "core/number_text.h"
 #include "mocap/composed_edits.h"
 #include "mocap/layout_fit.h"
 #include "mocap/tracklets.h"
@@ -22,11 +22,7 @@ constexpr int kKnown = 6;          // markers from which on the pose needs no se
 constexpr double kRefused = 1.0;   // markers by which a pose must be better than any other
 constexpr double kDoubtful = 3.0;  // and below which that is worth a warning
 
-std::string in_markers(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
+std::string in_markers(double value) { return number(value, "%.1f"); }
 
 /// Follows the layout through the take. Columns that bear one of its labels already help to place it and keep them.
 class Follower {
@@ -192,27 +188,30 @@ std::vector<LabelEdit> Follower::edits() const {
     for (const auto& [label, votes] : votes_[t])
       if (own_[t] < 0 && votes >= kClear * looks_[t]) choices.push_back({t, label, votes});
   std::stable_sort(choices.begin(), choices.end(), [](auto& a, auto& b) { return a.votes > b.votes; });
-  std::map<std::pair<int, int>, std::pair<LabelEdit, std::pair<int, int>>> grouped;
+  struct Group {
+    LabelEdit edit;
+    int votes = 0, looks = 0;
+  };
+  std::map<std::pair<int, int>, Group> groups;
   for (const Choice& choice : choices) {
     const Tracklet& t = tracklets_[choice.tracklet];
     std::vector<Tracklet>& others = taken[choice.label];
     if (std::any_of(others.begin(), others.end(), [&](auto& o) { return o.first <= t.last && t.first <= o.last; }))
       continue;
     others.push_back(t);
-    auto& [edit, counts] = grouped[{t.column, choice.label}];
-    edit.moves.push_back({t.first, t.last, raw_.labels[static_cast<std::size_t>(t.column)],
-                          layout_.labels[static_cast<std::size_t>(choice.label)]});
-    counts.first += choice.votes;
-    counts.second += looks_[choice.tracklet];
+    Group& group = groups[{t.column, choice.label}];
+    group.edit.moves.push_back({t.first, t.last, raw_.labels[static_cast<std::size_t>(t.column)],
+                                layout_.labels[static_cast<std::size_t>(choice.label)]});
+    group.votes += choice.votes;
+    group.looks += looks_[choice.tracklet];
   }
   std::vector<LabelEdit> result;
-  for (auto& [key, entry] : grouped) {
-    auto& [edit, counts] = entry;
-    edit.kind = LabelEdit::Kind::fragment;
-    edit.score = static_cast<double>(counts.first) / counts.second;
-    edit.why = "where the layout has the marker in " + std::to_string(counts.first) + " of " +
-               std::to_string(counts.second) + " frames looked at";
-    result.push_back(std::move(edit));
+  for (auto& [key, group] : groups) {
+    group.edit.kind = LabelEdit::Kind::fragment;
+    group.edit.score = static_cast<double>(group.votes) / group.looks;
+    group.edit.why = "where the layout has the marker in " + std::to_string(group.votes) + " of " +
+                     std::to_string(group.looks) + " frames looked at";
+    result.push_back(std::move(group.edit));
   }
   std::stable_sort(result.begin(), result.end(), [](auto& a, auto& b) { return a.first() < b.first(); });
   return result;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -95,11 +97,11 @@ class Tracker {
             recorded_.clean.at(f, marker) + away + 0.04 * (f - first) * drift + 0.15 * normals(random);
         put(f, column, recorded_.volume_from_face[static_cast<std::size_t>(f)] * place, FaultyTake::phantom);
       }
-      if (labelled) {
-        note({Fault::Kind::phantom, first, last, {marker}});
-      } else {
-        note({Fault::Kind::stray_phantom, first, last, {marker}, column});
-      }
+      note({labelled ? Fault::Kind::phantom : Fault::Kind::stray_phantom,
+            first,
+            last,
+            {marker},
+            labelled ? -1 : column});
       return true;
     });
   }
@@ -146,7 +148,7 @@ class Tracker {
 
   void held_frames() {
     std::vector<int> all(static_cast<std::size_t>(markers_));
-    for (int m = 0; m < markers_; ++m) all[static_cast<std::size_t>(m)] = m;
+    std::iota(all.begin(), all.end(), 0);
     scatter(held_stream, options_.held, [&](Random& random) {
       const int length = 1 + random.below(4);
       const auto [first, last] = stretch(random, length);
@@ -256,12 +258,14 @@ class Tracker {
 
   // Each marker's sample goes to the label of the next in the ring.
   void exchange(const std::vector<int>& ring, int first, int last) {
-    const mocap::Take before = result_.take;
     for (int f = first; f <= last; ++f) {
+      std::vector<std::optional<Eigen::Vector3d>> places;
+      for (const int m : ring)
+        places.push_back(result_.take.has(f, m) ? std::optional(result_.take.at(f, m)) : std::nullopt);
       for (std::size_t i = 0; i < ring.size(); ++i) {
-        const int from = ring[i], to = ring[(i + 1) % ring.size()];
-        if (before.has(f, from)) {
-          put(f, to, before.at(f, from), from);
+        const int to = ring[(i + 1) % ring.size()];
+        if (places[i]) {
+          put(f, to, *places[i], ring[i]);
         } else {
           lose(to, f, f);
         }

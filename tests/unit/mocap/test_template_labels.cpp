@@ -50,29 +50,6 @@ Take stripped(const Take& truth, std::vector<int>& marker) {
   return take;
 }
 
-TEST(TemplateLabels, StrippedTakeIsLabelledAgain) {
-  const RigidBody layout = marker_layout(face(0.0, 3));
-  const Take truth = face(2.0, 4);  // far round: nothing matches without alignment
-  std::vector<int> marker;
-  const Take raw = stripped(truth, marker);
-  Relabelled labelled = label_from_layout(raw, layout);
-  int right = 0, wrong = 0;
-  for (int m = 0; m < kMarkers; ++m) {
-    const int c = labelled.take.find("f" + std::to_string(m + 1));
-    for (int f = 0; c >= 0 && f < raw.frames(); ++f)
-      if (labelled.take.has(f, c)) ((labelled.take.at(f, c) - truth.at(f, m)).norm() < 1e-3 ? right : wrong) += 1;
-  }
-  int samples = 0;
-  for (int c = 0; c < raw.markers(); ++c)
-    for (int f = 0; f < raw.frames() && marker[static_cast<std::size_t>(c)] < kMarkers; ++f) samples += raw.has(f, c);
-  RecordProperty("right", right);
-  EXPECT_GE(right, 0.99 * samples) << wrong << " wrong of " << samples;
-  EXPECT_EQ(wrong, 0);  // strays are among what could be wrong
-  const Take back = undo_edits(labelled.take, labelled.edits);
-  EXPECT_EQ(back.labels, raw.labels);
-  EXPECT_EQ(back.present, raw.present);
-}
-
 /// Samples of labelled markers that stand where `truth` has them, and those that do not.
 std::pair<int, int> right_and_wrong(const Take& labelled, const Take& truth) {
   std::pair<int, int> count{0, 0};
@@ -82,6 +59,23 @@ std::pair<int, int> right_and_wrong(const Take& labelled, const Take& truth) {
       if (labelled.has(f, c)) ++((labelled.at(f, c) - truth.at(f, m)).norm() < 1e-3 ? count.first : count.second);
   }
   return count;
+}
+
+TEST(TemplateLabels, StrippedTakeIsLabelledAgain) {
+  const RigidBody layout = marker_layout(face(0.0, 3));
+  const Take truth = face(2.0, 4);  // far round: nothing matches without alignment
+  std::vector<int> marker;
+  const Take raw = stripped(truth, marker);
+  const Relabelled labelled = label_from_layout(raw, layout);
+  const auto [right, wrong] = right_and_wrong(labelled.take, truth);
+  int samples = 0;
+  for (int c = 0; c < raw.markers(); ++c)
+    for (int f = 0; f < raw.frames() && marker[static_cast<std::size_t>(c)] < kMarkers; ++f) samples += raw.has(f, c);
+  EXPECT_GE(right, 0.99 * samples) << wrong << " wrong of " << samples;
+  EXPECT_EQ(wrong, 0);  // strays are among what could be wrong
+  const Take back = undo_edits(labelled.take, labelled.edits);
+  EXPECT_EQ(back.labels, raw.labels);
+  EXPECT_EQ(back.present, raw.present);
 }
 
 TEST(TemplateLabels, SwapsAndStraysAreFoundInTheSameRunAndUndone) {
