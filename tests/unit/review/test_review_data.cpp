@@ -194,6 +194,27 @@ TEST(ReviewCleaning, RepairsSayWhatWasDoneAndWhereItShows) {
   EXPECT_EQ(json["stabilization"]["slips"][0]["marker"], "jig2");
 }
 
+// The take as measured still has the jig, and its own order of columns.
+TEST(ReviewCleaning, CurvesAreThoseOfTheMarkersByName) {
+  ReviewTake take;
+  take.measured = mocap::Take::empty("t", 60.0, {"jig", "b", "a"}, 2);
+  take.clean = mocap::Take::empty("t", 60.0, {"a", "b", "never"}, 2);
+  take.measured->set(0, 0, {900, 900, 900});
+  take.measured->set(0, 2, {-3, 1, 2});
+  take.measured->set(1, 1, {5, 6, 7});
+  take.clean->set(0, 0, {-2.5, 1, 2});
+  take.clean->set(1, 1, {5.5, 6, 7});
+  const nlohmann::json curves = cleaning_json(take)["curves"];
+  EXPECT_EQ(curves["least"], (std::vector<float>{-3, 1, 2, 5, 6, 7, 0, 0, 0}));
+  const std::uint16_t none = 65535, half = 100;  // 0.5 mm in steps of 0.005
+  EXPECT_EQ(decoded<std::uint16_t>(curves["measured"]["data"]),
+            (std::vector<std::uint16_t>{0, 0, 0, none, none, none, none, none, none,  //
+                                        none, none, none, 0, 0, 0, none, none, none}));
+  EXPECT_EQ(decoded<std::uint16_t>(curves["clean"]["data"]),
+            (std::vector<std::uint16_t>{half, 0, 0, none, none, none, none, none, none,  //
+                                        none, none, none, half, 0, 0, none, none, none}));
+}
+
 TEST(ReviewPictures, InlinedReducedAndSpread) {
   const ReviewFolder folder;
   const fs::path frames = folder.session() / "render" / "smile";
