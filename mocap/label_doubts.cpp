@@ -120,11 +120,10 @@ double wrong_share(const LabelEvidence& evidence, const std::vector<int>& origin
   return labelled > 0.0 ? wrong / labelled : 0.0;
 }
 
-/// "3 WHAT: A, B, C"; of more than five the first.
-void add(const std::vector<std::string>& places, const std::string& one, const std::string& more,
-         std::vector<std::string>& doubts) {
+/// "WHAT: A, B, C"; of more than five the first.
+void add(const std::string& what, const std::vector<std::string>& places, std::vector<std::string>& doubts) {
   if (places.empty()) return;
-  std::string text = "labels: " + (places.size() == 1 ? "one " + one : std::to_string(places.size()) + " " + more);
+  std::string text = what;
   for (std::size_t i = 0; i < std::min(kListed, places.size()); ++i) text += (i == 0 ? ": " : ", ") + places[i];
   if (places.size() > kListed) text += " and " + std::to_string(places.size() - kListed) + " more";
   doubts.push_back(text);
@@ -134,12 +133,10 @@ void add(const std::vector<std::string>& places, const std::string& one, const s
 
 std::vector<std::string> label_doubts(const LabelEvidence& evidence, const std::vector<int>& original) {
   std::vector<std::string> doubts;
-  add(exchanges(evidence, leaps(evidence, original)),
-      "place where labels leap into each other's, as at the end of a swap",
-      "places where labels leap into each other's, as at the ends of a swap", doubts);
-  add(half_swaps(evidence, original),
-      "stretch dropped that another label's samples were taken for, maybe half of a swap",
-      "stretches dropped that other labels' samples were taken for, maybe halves of swaps", doubts);
+  add("labels: some change places, as at the ends of a swap that is still there",
+      exchanges(evidence, leaps(evidence, original)), doubts);
+  add("labels: some are dropped where another marker took the label, maybe half of a swap",
+      half_swaps(evidence, original), doubts);
   const double wrong = wrong_share(evidence, original);
   if (wrong > kMany) {
     doubts.push_back("labels: " + number(100.0 * wrong, "%.1f") +
