@@ -40,7 +40,7 @@ namespace vultus::apps {
 //   {"space": "training" | "surface",                    where the marker basis came from, so what the errors measure
 //    "decisions": [TEXT…], "warnings": [TEXT…],
 //    "table": [{"regions": n, "name": TEXT, "max_mm": x, "min_mm": x, "mean_mm": x}…],     Liu's table 1, global first
-//    "solve": {"frames_per_second": x, "worst_kkt_residual": x}}
+//    "solve": {"worst_kkt_residual": x}}
 // SESSION/takes/<take>/errors_global.csv   the form of errors.csv, for the global solve.
 // SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals, warnings.
 // SESSION/takes/<take>/{measured,clean}.c3d  head coordinates, before anything was taken out, filled or smoothed, and after.

@@ -94,7 +94,7 @@ nlohmann::json take_json(const ReviewTake& take) {
   }
   if (take.global_errors) json["global_means"] = means_json(*take.global_errors);
   json["table"] = table_of(take);
-  for (const char* key : {"space", "warnings", "solve"}) {
+  for (const char* key : {"space", "solve"}) {
     if (take.report.contains(key)) json[key] = take.report[key];
   }
   json["decisions"] = decisions_json(take);

@@ -220,16 +220,13 @@ function decisionsPart(take) {
   const node = make('div', { class: 'panel' }, make('h3', {}, 'What was decided'));
   const shared = DATA.session.decisions || [], own = (take.decisions || []).filter(line => !shared.includes(line));
   const parts = [decisionsPanel('This take', [own]), decisionsPanel('The session', [shared])].filter(Boolean);
-  if (take.solve) {
-    const solve = take.solve;
-    node.append(make('div', { class: 'unit', style: { marginBottom: '6px' } },
-      [solve.frames_per_second ? `${Math.round(solve.frames_per_second).toLocaleString('en')} frames/s` : null,
-        typeof solve.worst_kkt_residual === 'number' ? `KKT residual ${solve.worst_kkt_residual.toExponential(1)}` : null]
-        .filter(Boolean).join(' · ')));
+  const residual = (take.solve || {}).worst_kkt_residual, known = typeof residual === 'number';
+  if (known) {
+    node.append(make('div', { class: 'unit', style: { marginBottom: '6px' } }, `KKT residual ${residual.toExponential(1)}`));
   }
   node.append(...parts);
   if (parts.length === 1) parts[0].open = true;
-  return parts.length || take.solve ? node : null;
+  return parts.length || known ? node : null;
 }
 
 function takesPart() {
