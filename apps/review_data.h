@@ -43,7 +43,8 @@ namespace vultus::apps {
 //    "solve": {"worst_kkt_residual": x}}
 // SESSION/takes/<take>/errors_global.csv   the form of errors.csv, for the global solve.
 // SESSION/takes/<take>/samples.json       mocap/clean.h: gaps, spikes, head residuals, warnings.
-// SESSION/takes/<take>/{measured,clean}.c3d  head coordinates, before anything was taken out, filled or smoothed, and after.
+// SESSION/takes/<take>/{measured,clean}.c3d  head coordinates, before anything was taken out, filled or smoothed, and
+//                                            after.
 // SESSION/render/<take>/<frame>.{png,jpg}   also in realtime/ and reference/ below <take>.
 // SESSION/render/<take>/film.mp4    (or any .mp4 there) inlined below 8 MB, else linked.
 

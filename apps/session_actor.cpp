@@ -4,7 +4,6 @@
 #include "rig/database.h"
 #include "rig/region_masks.h"
 
-
 namespace vultus::apps {
 
 namespace fs = std::filesystem;

@@ -15,12 +15,12 @@ struct SessionOptions {
   std::filesystem::path actor, session;
   std::filesystem::path training;  ///< empty: the basis comes from the rig's surface
   std::filesystem::path markers;   ///< anchors or places (retarget/anchors.h); empty: markers.json beside the takes,
-                                  ///< else the actor's own
-  int regions = 0;            ///< 0: the actor's own
-  int neutral_frame = -1;     ///< of the first take, without a training take; -1: found
-  std::string solver = "qp";  ///< "qp": by region (Liu eq. 2), "global": one set of weights (eq. 1)
-  double smoothing = 0.0;     ///< of the weights over time, s (Liu §7)
-  bool keep_labels = false;   ///< swaps, fragments and phantoms are left as they are
+                                   ///< else the actor's own
+  int regions = 0;                 ///< 0: the actor's own
+  int neutral_frame = -1;          ///< of the first take, without a training take; -1: found
+  std::string solver = "qp";       ///< "qp": by region (Liu eq. 2), "global": one set of weights (eq. 1)
+  double smoothing = 0.0;          ///< of the weights over time, s (Liu §7)
+  bool keep_labels = false;        ///< swaps, fragments and phantoms are left as they are
   std::uint64_t seed = 1;
   bool force = false;
 };
