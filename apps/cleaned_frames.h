@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "mocap/clean.h"
@@ -10,20 +11,19 @@ namespace vultus::apps {
 /// Frames as read to frames of the cleaned take, which has no doubled ones.
 class CleanedFrames {
  public:
-  explicit CleanedFrames(const std::vector<mocap::RepeatNote>& repeats) {
-    for (const mocap::RepeatNote& repeat : repeats) {
-      for (int f = repeat.first; repeat.kind == mocap::Repeat::Kind::doubled && f <= repeat.last; ++f)
-        out_.push_back(f);
-    }
-    std::ranges::sort(out_);
+  explicit CleanedFrames(std::vector<mocap::RepeatNote> repeats) : doubled_(std::move(repeats)) {
+    std::erase_if(doubled_, [](const auto& repeat) { return repeat.kind != mocap::Repeat::Kind::doubled; });
   }
   /// A frame that was taken out becomes the one after it.
   int operator()(int frame) const {
-    return frame - static_cast<int>(std::ranges::lower_bound(out_, frame) - out_.begin());
+    int out = 0;
+    for (const mocap::RepeatNote& doubled : doubled_)
+      out += std::clamp(frame - doubled.first, 0, doubled.last - doubled.first + 1);
+    return frame - out;
   }
 
  private:
-  std::vector<int> out_;  // frames as read
+  std::vector<mocap::RepeatNote> doubled_;
 };
 
 }  // namespace vultus::apps

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -43,6 +45,14 @@ Json runs_of(const CleanReport& report, std::size_t marker) {
     f = end;
   }
   return runs;
+}
+
+/// "first" and "last" of an entry.
+std::pair<int, int> stretch_of(const Json& json, std::size_t frames) {
+  const auto first = json.at("first").get<std::int64_t>(), last = json.at("last").get<std::int64_t>();
+  if (first < 0 || last < first || last >= static_cast<std::int64_t>(frames))
+    throw InputError("frames " + std::to_string(first) + " to " + std::to_string(last) + " do not fit");
+  return {static_cast<int>(first), static_cast<int>(last)};
 }
 
 void read_runs(const Json& runs, std::size_t marker, CleanReport& report) {
@@ -130,18 +140,20 @@ CleanReport parsed(const Json& json) {
     const Json& marker = json.at("markers")[m];
     read_runs(marker.at("runs"), m, report);
     for (const Json& gap : marker.at("gaps")) {
-      report.gaps.push_back({static_cast<int>(m), gap.at("first").get<int>(), gap.at("last").get<int>(),
-                             origin_named(gap.at("method").get<std::string>()),
+      const auto [first, last] = stretch_of(gap, frames);
+      report.gaps.push_back({static_cast<int>(m), first, last, origin_named(gap.at("method").get<std::string>()),
                              gap.at("expected_error_mm").get<double>()});
     }
     for (const Json& spike : marker.at("spikes")) {
-      report.spikes.push_back({static_cast<int>(m), spike.at("first").get<int>(), spike.at("last").get<int>(),
-                               spike.at("size_mm").get<double>()});
+      const auto [first, last] = stretch_of(spike, frames);
+      report.spikes.push_back({static_cast<int>(m), first, last, spike.at("size_mm").get<double>()});
     }
   }
   for (const Json& repeat : json.value("repeats", Json::array())) {
-    report.repeats.push_back({repeat_kind(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(),
-                              repeat.at("first").get<int>(), repeat.at("last").get<int>()});
+    // Frames as read: more than the take has.
+    const auto [first, last] = stretch_of(repeat, std::numeric_limits<int>::max());
+    report.repeats.push_back(
+        {repeat_kind(repeat.at("what").get<std::string>()), repeat.at("marker").get<std::string>(), first, last});
   }
   if (json.contains("file_frames")) report.file_frames = read_file_frames(json.at("file_frames"), frames);
   for (const Json& edit : json.value("label_edits", Json::array())) report.label_edits.push_back(edit_of(edit));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -222,6 +223,12 @@ TEST_F(Clean, DamagedSamplesAreRefused) {
   std::string origin = whole;
   origin.replace(origin.find("\"spline\""), 8, "\"spleen\"");
   EXPECT_THROW(read_samples(write("d.json", origin)), InputError);
+  nlohmann::json gap = nlohmann::json::parse(whole), repeat = gap;
+  for (auto& marker : gap["markers"])
+    for (auto& each : marker["gaps"]) each["last"] = gap["frames"];
+  EXPECT_THROW(read_samples(write("e.json", gap.dump())), InputError);
+  repeat["repeats"] = {{{"what", "doubled"}, {"marker", ""}, {"first", 9}, {"last", 3}}};
+  EXPECT_THROW(read_samples(write("f.json", repeat.dump())), InputError);
 }
 
 TEST_F(Clean, OptionsAreChecked) {
