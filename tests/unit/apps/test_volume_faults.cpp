@@ -94,22 +94,40 @@ TEST(VolumeFaults, SpikesDropoutsAndHeldFramesAreWhereTheTruthSays) {
 }
 
 TEST(VolumeFaults, NonsenseIsRefused) {
-  FaultOptions options;
-  options.spikes = -1;
-  EXPECT_THROW(options.validate(), UsageError);
-  options = usual_faults(1, 20.0);
-  EXPECT_NO_THROW(options.validate());
+  EXPECT_NO_THROW(usual_faults(1, 20.0).validate());
+  EXPECT_THROW((FaultOptions{.spikes = -1}.validate()), UsageError);
+  EXPECT_THROW((FaultOptions{.swaps = 1001}.validate()), UsageError);
+  EXPECT_THROW((FaultOptions{.slip_mm = 51}.validate()), UsageError);
+  EXPECT_THROW((FaultOptions{.slip_at = 1.1}.validate()), UsageError);
+  EXPECT_THROW(with_faults(line(10), 3, {.held = -1}), UsageError);
 }
+
+/// A synthetic face in the volume, with the faults that a tracker leaves `times` as often as usual.
+class Volume {
+ public:
+  Volume(double seconds, double missing) {
+    const registration::Template head = registration::template_head();
+    const FaceModel actor(head, identity(head, 11));
+    const MarkerLayout layout = marker_layout(actor, 3);
+    jig_ = static_cast<int>(layout.jig.rows());
+    recorded_ = record(actor, layout, perform("emotions", seconds, 120.0, 5), {.missing = missing});
+  }
+  const RecordedTake& recorded() const { return recorded_; }
+  FaultyTake faulty(std::uint64_t seed, double times) const {
+    return with_faults(recorded_, jig_, usual_faults(seed, times));
+  }
+
+ private:
+  RecordedTake recorded_;
+  int jig_ = 0;
+};
 
 // In four seconds a swap that lasts a third of the take is as usual as what is right.
 TEST(ShortTakes, AreWarnedOfWhereASwapIsLeft) {
-  const registration::Template head = registration::template_head();
-  const FaceModel actor(head, identity(head, 11));
-  const MarkerLayout layout = marker_layout(actor, 3);
-  const RecordedTake recorded = record(actor, layout, perform("emotions", 4.0, 120.0, 5), {.missing = 0.08});
+  const Volume volume(4.0, 0.08);
   int left = 0;
   for (const std::uint64_t seed : {8, 9, 11}) {
-    const FaultyTake faulty = with_faults(recorded, static_cast<int>(layout.jig.rows()), usual_faults(seed, 1.0));
+    const FaultyTake faulty = volume.faulty(seed, 1.0);
     const mocap::Relabelled repaired = mocap::repair_labels(faulty.take);
     const bool fails = score_labels(faulty, repaired.take).swaps_left > 0;
     EXPECT_EQ(fails, !repaired.warnings.empty()) << seed;
@@ -123,13 +141,10 @@ class FaultFiles : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::filesystem::temp_directory_path() / ("vultus_faults_" + std::to_string(::getpid()));
-    const registration::Template head = registration::template_head();
-    const FaceModel actor(head, identity(head, 11));
-    const MarkerLayout layout = marker_layout(actor, 3);
-    const RecordedTake recorded = record(actor, layout, perform("emotions", 8.0, 120.0, 5), {});
-    const FaultyTake faulty = with_faults(recorded, static_cast<int>(layout.jig.rows()), usual_faults(7, 3.0));
+    const Volume volume(8.0, 0.02);
+    const FaultyTake faulty = volume.faulty(7, 3.0);
     mocap::write_take(folder_ / "emotions.c3d", faulty.take);
-    write_fault_truth(folder_, recorded, faulty);
+    write_fault_truth(folder_, volume.recorded(), faulty);
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
 
