@@ -30,9 +30,11 @@ struct NonrigidOptions {
   double face_spacing = 12.0;  ///< in the set "face"
   double far_spacing = 22.0;   ///< elsewhere
   double least_cosine = 0.5;   ///< between normals
-  double least_spread = 0.5;   ///< mm: robust weights end at twice this or more, however well most of the skin fits
   double rigidity = 0.0;       ///< see `GraphFitWeights`; for scans of the same person
   bool free_scale = true;      ///< the scan is of another person: what hangs on the skin (eyeballs, teeth) may grow
+  /// mm: robust weights end at twice this or more, however well most of the skin fits. Less leaves skin behind that has
+  /// far to go yet: the throat under an open jaw.
+  double least_spread = 1.5;
   Annealing annealing;
   void validate() const;  ///< throws `InputError`
 };

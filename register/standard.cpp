@@ -115,7 +115,6 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   const Points rest = transformed(head_on_scan(model, alignment.scan_from_template, input.scan), model.neutral);
   NonrigidOptions options;
   // Chosen on neutrals of other people whose true vertices are known; an actor's own expressions fit closer.
-  options.least_spread = 1.5;
   options.rigidity = 0.05;
   options.annealing.first_stiffness = 3.0;
   options.annealing.last_stiffness = 0.001;
