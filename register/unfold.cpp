@@ -182,9 +182,10 @@ class Relaxation {
   Eigen::VectorXd curvature_;
 };
 
-// Every piece with the largest share of its curvature that leaves the fewest folds, if they are fewer than before.
+// Every piece with the largest share of its curvature that, once untangled, leaves the fewest folds, if they are fewer
+// than before.
 Points relaxed(const Topology& topology, const Points& reference, const Points& positions,
-               const std::vector<bool>& folded, const Pieces& pieces) {
+               const std::vector<bool>& folded, const std::vector<bool>& border, const Pieces& pieces) {
   std::vector<int> fewest(pieces.count, std::numeric_limits<int>::max());
   Points result = positions;
   auto take_better = [&](const Points& candidate, const std::vector<int>& folds) {
@@ -200,7 +201,7 @@ Points relaxed(const Topology& topology, const Points& reference, const Points& 
     take_better(positions, relaxation.folds(folded));
     const Points normals = vertex_normals(topology, relaxation.solved(0.0, Points::Zero(positions.rows(), 3)));
     for (const double share : {1.0, 0.5, 0.25, 0.0}) {
-      const Points candidate = relaxation.solved(share, normals);
+      const Points candidate = untangled(topology, reference, relaxation.solved(share, normals), border);
       take_better(candidate, relaxation.folds(folded_triangles(topology, reference, candidate)));
       if (std::all_of(fewest.begin(), fewest.end(), [](int count) { return count == 0; })) return result;
     }
@@ -237,8 +238,7 @@ Points unfolded(const Topology& topology, const Points& reference, const Points&
   constexpr int widest = 6;  // rings; then the folds that wider pieces brought are looked at closely again
   for (int round = 0; round < rounds && !none(folded); ++round) {
     const int rings = 1 + round % widest;
-    result = relaxed(topology, reference, result, folded, around(topology, folded, border, rings));
-    result = untangled(topology, reference, result, border);
+    result = relaxed(topology, reference, result, folded, border, around(topology, folded, border, rings));
     folded = folded_triangles(topology, reference, result);
   }
   return result;
