@@ -13,6 +13,7 @@
 #include "register/seals.h"
 #include "register/settled_skin.h"
 #include "register/start_warp.h"
+#include "register/strayed_features.h"
 
 namespace vultus::registration {
 namespace {
@@ -121,16 +122,23 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   options.annealing.last_points = 0.0003;
   NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
   Pulls pulls = landmark_pulls(fit.anchors);
+  const std::size_t placed = pulls.kept.size();
   nonrigid.anneal(pulls, options.annealing, progress);
-  pulls.touching = sealed_pairs(head, nonrigid.positions(), input.scan);
-  if (!pulls.touching.empty()) {
-    Annealing closing = options.annealing;
-    closing.first_stiffness = 0.002;
-    closing.first_limit = closing.last_limit;
-    closing.first_points = closing.last_points;
-    closing.stages = 1;
-    nonrigid.anneal(pulls, closing, progress);
+  const auto again = [&](double stiffness, int stages) {
+    Annealing ending = options.annealing;
+    ending.first_stiffness = stiffness;
+    ending.first_limit = ending.last_limit;
+    ending.first_points = ending.last_points;
+    ending.stages = stages;
+    nonrigid.anneal(pulls, ending, progress);
+  };
+  for (PointTerm strayed : strayed_features(fit.anchors, nonrigid.positions(), input.prepared.coloured)) {
+    strayed.weight *= 0.05;
+    pulls.kept.push_back(strayed);
   }
+  if (pulls.kept.size() > placed) again(0.01, 3);
+  pulls.touching = sealed_pairs(head, nonrigid.positions(), input.scan);
+  if (!pulls.touching.empty()) again(0.002, 1);
   fit.positions = nonrigid.finished().positions;
   fit.face_from_scan = upright(head, fit.positions, model.neutral);
   fit.look = std::make_shared<const Appearance>(input.prepared.scan);

@@ -103,10 +103,10 @@ Ibug68 ibug68(const Weave& w) {
   points[8] = w.face[1][25];
   const int brow[] = {w.face[0][2], w.eye[6][3], w.eye[6][4], w.eye[6][5], w.eye[6][6]};
   for (int i = 0; i < 5; ++i) both(22 + i, 21 - i, brow[i]);
-  const int bridge[] = {2, 3, 5, 7};
+  const int bridge[] = {2, 4, 5, 7};
   for (int i = 0; i < 4; ++i) points[27 + i] = w.nose[bridge[i]][0];
   both(35, 31, w.mouth[8][3]);
-  both(34, 32, w.mouth[8][2]);
+  both(34, 32, w.mouth[8][1]);
   points[33] = w.mouth[8][0];
   const int lid[] = {0, 3, 5, 8, 11, 13}, left_eye[] = {42, 43, 44, 45, 46, 47}, right_eye[] = {39, 38, 37, 36, 41, 40};
   for (int i = 0; i < 6; ++i) both(left_eye[i], right_eye[i], w.eye[2][lid[i]]);

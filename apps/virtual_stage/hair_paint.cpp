@@ -17,12 +17,12 @@ struct BrowStation {
   V2 middle;
   double half_width;
 };
-const std::array<BrowStation, 6> brow_line = {{{V2(11.5, 16.5), 3.4},
-                                               {V2(19.0, 19.6), 3.8},
-                                               {V2(28.0, 22.6), 3.5},
-                                               {V2(37.0, 24.2), 2.9},
-                                               {V2(46.0, 23.0), 2.1},
-                                               {V2(54.5, 18.2), 0.8}}};
+const std::array<BrowStation, 6> brow_line = {{{V2(11.5, 14.2), 3.4},
+                                               {V2(19.0, 16.3), 3.8},
+                                               {V2(28.0, 19.4), 3.5},
+                                               {V2(37.0, 21.1), 2.9},
+                                               {V2(46.0, 20.2), 2.1},
+                                               {V2(54.5, 16.4), 0.8}}};
 
 BrowStation brow_at(double t) {
   const double x = std::clamp(t, 0.0, 1.0) * (brow_line.size() - 1);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "apps/virtual_stage/actor.h"
+#include "apps/virtual_stage/hair_paint.h"
 #include "apps/virtual_stage/skin.h"
 #include "core/texture_space.h"
 #include "register/subdivide.h"
@@ -39,6 +40,24 @@ TEST(Actor, SameSeedSamePersonOtherSeedAnother) {
   }
   std::set<std::string> names;
   for (int i = 0; i < trait_count; ++i) EXPECT_TRUE(names.insert(trait_name(i)).second);
+}
+
+// iBUG's points of a brow run along its upper edge, which is where finders see them. At its ends, where hair is upright
+// or thin, there is no edge to speak of.
+TEST(Actor, BrowsArePaintedBelowTheirPointsOfThe68PointScheme) {
+  const EyebrowPaint paint(5);
+  const auto covered = [&](const Eigen::Vector3d& at, double from, double to) {
+    double sum = 0.0;
+    int n = 0;
+    for (double x = -2.0; x <= 2.0; x += 0.25)
+      for (double y = from; y <= to; y += 0.25, ++n) sum += paint.coverage(at + Eigen::Vector3d(x, y, 0.0));
+    return sum / n;
+  };
+  for (int i : {18, 19, 20, 23, 24, 25}) {
+    const Eigen::Vector3d at = head().neutral.row((*head().ibug68)[i]);
+    EXPECT_GT(covered(at, -4.0, -1.0), 0.3) << i;
+    EXPECT_LT(covered(at, 2.5, 5.0), 0.1) << i;
+  }
 }
 
 TEST(Actor, WithoutAsymmetryBothSidesMirror) {

@@ -217,6 +217,10 @@ TEST(TemplateHead, MapsThe68PointScheme) {
   EXPECT_GE(p(62).y(), p(66).y());
   EXPECT_GT(p(66).y(), p(57).y());
   EXPECT_GT(p(57).y(), p(8).y());
+  // iBUG spaces the bridge's points evenly; the mesh has a vertex within 5 mm. Those below the nostrils lie inside the
+  // middle between wing and midline.
+  for (int i : {28, 29}) EXPECT_NEAR(p(i).y(), p(27).y() + (i - 27) / 3.0 * (p(30).y() - p(27).y()), 5.0) << i;
+  EXPECT_LT(p(34).x(), 0.5 * p(35).x());
 }
 
 TEST(TemplateHead, NamesItsParts) {
