@@ -122,7 +122,6 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
   options.annealing.last_points = 0.0003;
   NonrigidFit nonrigid(model.topology(), rest, start, model.fitted, input.scan, detail(head, rest), options);
   Pulls pulls = landmark_pulls(fit.anchors);
-  const std::size_t placed = pulls.kept.size();
   nonrigid.anneal(pulls, options.annealing, progress);
   const auto again = [&](double stiffness, int stages) {
     Annealing ending = options.annealing;
@@ -132,11 +131,13 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
     ending.stages = stages;
     nonrigid.anneal(pulls, ending, progress);
   };
-  for (PointTerm strayed : strayed_features(fit.anchors, nonrigid.positions(), input.prepared.coloured)) {
-    strayed.weight *= 0.05;
-    pulls.kept.push_back(strayed);
+  const std::vector<PointTerm> strayed =
+      strayed_features(fit.anchors, nonrigid.positions(), input.prepared.coloured);
+  for (PointTerm term : strayed) {
+    term.weight *= 0.05;
+    pulls.kept.push_back(term);
   }
-  if (pulls.kept.size() > placed) again(0.01, 3);
+  if (!strayed.empty()) again(0.01, 3);
   pulls.touching = sealed_pairs(head, nonrigid.positions(), input.scan);
   if (!pulls.touching.empty()) again(0.002, 1);
   fit.positions = nonrigid.finished().positions;
