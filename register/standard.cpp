@@ -131,10 +131,9 @@ Fit fit_standard_neutral(const FitInput& input, Progress& progress) {
     ending.stages = stages;
     nonrigid.anneal(pulls, ending, progress);
   };
-  const std::vector<PointTerm> strayed =
-      strayed_features(fit.anchors, nonrigid.positions(), input.prepared.coloured);
+  const std::vector<PointTerm> strayed = strayed_features(fit.anchors, nonrigid.positions(), input.prepared.coloured);
   for (PointTerm term : strayed) {
-    term.weight *= 0.05;
+    term.weight *= 0.05;  // of one node's data: firm enough against the surface, on which features slide freely
     pulls.kept.push_back(term);
   }
   if (!strayed.empty()) again(0.01, 3);

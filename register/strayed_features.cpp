@@ -31,7 +31,8 @@ std::vector<PointTerm> strayed_features(const Anchors& anchors, const Points& po
     if (rows.size() < 3) continue;
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
     for (int i : rows)
-      way += (anchors.targets.row(i) - positions.row(anchors.vertices[i])).transpose() / static_cast<double>(rows.size());
+      way +=
+          (anchors.targets.row(i) - positions.row(anchors.vertices[i])).transpose() / static_cast<double>(rows.size());
     if (way.norm() <= margin) continue;
     way *= 1.0 - margin / way.norm();
     for (int i : rows)

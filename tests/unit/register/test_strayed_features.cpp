@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "register/consistent.h"
 #include "register/strayed_features.h"
+#include "scanned_head.h"
 
 namespace vultus::registration {
 namespace {
@@ -46,6 +48,21 @@ TEST(StrayedFeatures, PointsPlacedByHandAndLonePointsMoveNothing) {
   for (int i = 42; i < 44; ++i) found.add(i, {0.0, 5.0, 0.0});
   for (int i = 48; i < 60; ++i) found.add(i, {0.0, 5.0, 0.0});  // lips move
   EXPECT_TRUE(strayed_features(found.anchors, found.fit, true).empty());
+}
+
+// Landmarks that only start a fit are given way to by its end, which then finds the eyes where they truly are.
+TEST(StrayedFeatures, ANeutralsEyesAreLedToWhereTheyWereFound) {
+  const test::ScannedHead person = test::scanned_head(1.04, 0.97, 3);
+  const Ibug68& points = *person.head.ibug68;
+  ScanLandmarks landmarks = person.landmarks;
+  std::erase_if(landmarks, [](const ScanLandmark& placed) { return placed.name.starts_with("3."); });  // of the eyes
+  for (int i = 36; i < 48; ++i)
+    landmarks.push_back({ibug_name(i), person.truth.row(points[i]).transpose() + Eigen::Vector3d(0.0, 6.0, 0.0), 0.5});
+  const Registered found = register_neutral(person.head, person.scan, landmarks, {}, Progress::none());
+  const Points in_scan = transformed(found.face_from_scan.inverse(), found.mesh.positions);
+  double above = 0.0;
+  for (int i = 36; i < 48; ++i) above += (in_scan(points[i], 1) - person.truth(points[i], 1)) / 12.0;
+  EXPECT_GT(above, 1.0);  // of the 6 mm less a finder's 2.5; the scan's surface holds against it
 }
 
 }  // namespace
